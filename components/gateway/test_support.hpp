@@ -7,7 +7,7 @@
 #include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
 
-#include <support/cyclone_suppressions.hpp>
+#include <support/dds_suppressions.hpp>
 #include <support/eventually.hpp>
 #include <support/running_task.hpp>
 
@@ -25,7 +25,7 @@
 
 #ifdef SEGUE_SANITIZER_THREAD
 extern "C" [[gnu::used]] const char* __tsan_default_suppressions() {
-  return segue::testing::kCycloneSuppressions;
+  return segue::testing::kDdsSuppressions;
 }
 #endif
 

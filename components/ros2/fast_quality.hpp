@@ -19,7 +19,7 @@ namespace dds = eprosima::fastdds::dds;
 dds::DataWriterQos writer_quality(const segue::ros2::Quality& quality, const std::string& user_data);
 dds::DataReaderQos reader_quality(const segue::ros2::Quality& quality, const std::string& user_data);
 
-/// What another endpoint says of itself.
+/// The qualities and the hash that another endpoint says it has.
 segue::ros2::Quality quality_of(const dds::WriterQos& quality);
 segue::ros2::Quality quality_of(const dds::ReaderQos& quality);
 std::string hash_of(const dds::WriterQos& quality);

@@ -18,6 +18,7 @@
 #include <fastdds/dds/topic/Topic.hpp>
 
 #include <algorithm>
+#include <random>
 #include <utility>
 
 namespace ros2 {
@@ -35,7 +36,7 @@ constexpr std::uint32_t kSocketBytes = 4U << 20U;
 constexpr std::string_view kUserData = "enclave=/;";
 const TopicName kNodesTopic{"ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"};
 
-/// What Fast DDS has to say goes to the log of this process.
+/// The messages of Fast DDS go to the log of this process.
 class LogLines final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
@@ -52,6 +53,18 @@ void take_log_lines() {
   }();
 }
 
+/// Identifiers that nobody had before. Those of Fast DDS are the same for the next participant of a process,
+/// which others then take for the one that has just left, and find after seconds only.
+rtps::GuidPrefix_t new_identifier() {
+  rtps::GuidPrefix_t prefix;
+  std::random_device random;
+  for (auto& one : prefix.value)
+    one = static_cast<rtps::octet>(random());
+  prefix.value[0] = rtps::c_VendorId_eProsima[0];
+  prefix.value[1] = rtps::c_VendorId_eProsima[1];
+  return prefix;
+}
+
 /// UDP only: segments of shared memory would stay behind where a process is killed, and are closed to other
 /// users.
 dds::DomainParticipantQos quality_of(const Settings& settings) {
@@ -60,6 +73,10 @@ dds::DomainParticipantQos quality_of(const Settings& settings) {
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->sendBufferSize = udp->receiveBufferSize = kSocketBytes;
   if (settings.localhost_only) udp->interfaceWhiteList = {"127.0.0.1"};
+  quality.wire_protocol().prefix = new_identifier();
+  auto& discovery = quality.wire_protocol().builtin.discovery_config;
+  discovery.initial_announcements = {20, {0, 50'000'000}};
+  discovery.leaseDuration_announcementperiod = {1, 0};
   quality.transport().use_builtin_transports = false;
   quality.transport().user_transports = {transport_that_sees_departures(udp)};
   return quality;

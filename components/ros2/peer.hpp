@@ -40,7 +40,7 @@ class Peer {
   virtual void publish(const Bytes& message) = 0;
   /// The messages that have come since the last call.
   virtual std::vector<Bytes> take() = 0;
-  /// What other participants have said of their nodes, the last of each.
+  /// The nodes of other participants, as each has said last.
   virtual std::vector<segue::ros2::ParticipantEntities> others() = 0;
   /// Subscriptions to what it publishes, and publishers of what it subscribes to.
   virtual std::uint32_t subscriptions() = 0;

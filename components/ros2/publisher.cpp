@@ -59,7 +59,7 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
     if (*lifespan_ < std::chrono::nanoseconds(0))
       return segue::fail(segue::ErrorCode::InvalidArgument, "lifespan must not be negative");
     if (auto opened = open(); !opened) return opened;
-    sent_ = refused_ = bytes_ = 0;
+    counts_ = {};
     segue::ros2::Quality offered = quality();
     offered.lifespan = *lifespan_;
     auto writer = participant().make_writer(topic_name(), offered, user_data(), this);
@@ -96,11 +96,11 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
     SampleSource source(type(), bounds(), sample);
     if (sample.value == nullptr || source.size() == 0 ||
         !writer_->write(static_cast<MessageSource*>(&source))) {
-      ++refused_;
+      ++counts_.refused;
       return;
     }
-    ++sent_;
-    bytes_ += source.size();
+    ++counts_.sent;
+    counts_.bytes += source.size();
   }
 
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override {
@@ -114,16 +114,18 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
   }
 
   PublisherStatistics statistics() const {
-    return {sent_, refused_, bytes_, missed(), matched(), static_cast<std::uint32_t>(mismatched())};
+    PublisherStatistics now = counts_;
+    now.missed = missed();
+    now.matched = matched();
+    now.mismatched = mismatched();
+    return now;
   }
 
   Property<std::chrono::nanoseconds> lifespan_{
       *this, "lifespan", {}, {.doc = "how long a sample is worth being delivered; 0: for ever"}};
   Operation<PublisherStatistics()> statistics_{
       *this, "statistics", {}, [this] { return statistics(); }, RunsIn::TaskThread, "what was sent so far"};
-  std::uint64_t sent_ = 0;
-  std::uint64_t refused_ = 0;
-  std::uint64_t bytes_ = 0;
+  PublisherStatistics counts_;
   std::optional<AnyInput> in_;
   Participant::Owned<dds::DataWriter> writer_;
 };

@@ -44,7 +44,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
  protected:
   segue::Result<void> on_configure() override {
     if (auto opened = open(); !opened) return opened;
-    received_ = early_ = refused_ = lost_ = corrupt_ = bytes_ = 0;
+    reset_counts();
     out_.emplace(*this, "out", &type(), std::string(),
                  PortOptions{.dynamic = true, .doc = "samples as they arrive", .flat = true});
     auto reader = participant().make_reader(topic_name(), quality(), user_data(), this);
@@ -86,6 +86,11 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   }
 
  private:
+  void reset_counts() {
+    const segue::Lock lock(mutex_);
+    counts_ = {};
+  }
+
   /// In a thread of Fast DDS, which holds locks of its own: nothing that has our lock calls Fast DDS.
   void on_data_available(dds::DataReader* reader) override {
     dds::SampleInfo info;
@@ -98,7 +103,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
       deliver(message);
       return true;
     }
-    ++early_;
+    ++counts_.early;
     if (quality().durability == segue::ros2::Durability::TransientLocal) keep(message);
     return true;
   }
@@ -108,7 +113,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
       waiting_.emplace_back(message.begin(), message.end());
       if (waiting_.size() > std::max(quality().depth, 1U)) waiting_.pop_front();
     } catch (const std::bad_alloc&) {
-      ++lost_;
+      ++counts_.lost;
     }
   }
 
@@ -117,14 +122,14 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
       SampleRef sample = room_for(message);
       if (!sample) return;
       if (!decode(message, *sample.get())) {
-        ++corrupt_;
+        ++counts_.corrupt;
         return;
       }
-      ++received_;
-      bytes_ += message.size();
-      if (out_->publish(sample.detach()) == WriteResult::Refused) ++refused_;
+      ++counts_.received;
+      counts_.bytes += message.size();
+      if (out_->publish(sample.detach()) == WriteResult::Refused) ++counts_.refused;
     } catch (const std::bad_alloc&) {
-      ++lost_;
+      ++counts_.lost;
     }
   }
 
@@ -132,12 +137,12 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   SampleRef room_for(std::span<const std::byte> message) SEGUE_REQUIRES(mutex_) {
     if (!out_->is_flat()) {
       SampleRef slot = SampleRef::adopt(out_->acquire());
-      if (!slot) ++lost_;
+      if (!slot) ++counts_.lost;
       return slot;
     }
     const std::size_t size = segue::type::flat_size_of_cdr(type(), message);
     if (size > 0) return SampleRef::adopt(out_->acquire_flat(size));
-    ++corrupt_;
+    ++counts_.corrupt;
     return {};
   }
 
@@ -151,7 +156,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   }
   void on_sample_lost(dds::DataReader*, const dds::SampleLostStatus& status) override {
     const segue::Lock lock(mutex_);
-    lost_ += static_cast<std::uint64_t>(std::max(status.total_count_change, 0));
+    counts_.lost += static_cast<std::uint64_t>(std::max(status.total_count_change, 0));
   }
   void on_requested_deadline_missed(dds::DataReader*,
                                     const dds::RequestedDeadlineMissedStatus& status) override {
@@ -162,22 +167,20 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   }
 
   SubscriptionStatistics statistics() const {
-    const segue::Lock lock(mutex_);
-    return {received_, early_,    refused_,
-            lost_,     corrupt_,  bytes_,
-            missed(),  matched(), static_cast<std::uint32_t>(mismatched())};
+    segue::Lock lock(mutex_);
+    SubscriptionStatistics now = counts_;
+    lock.unlock();
+    now.missed = missed();
+    now.matched = matched();
+    now.mismatched = mismatched();
+    return now;
   }
 
   Operation<SubscriptionStatistics()> statistics_{
       *this, "statistics", {}, [this] { return statistics(); }, RunsIn::TaskThread, "what arrived so far"};
   mutable segue::Mutex mutex_;  ///< one thread at a time delivers
+  SubscriptionStatistics counts_ SEGUE_GUARDED_BY(mutex_);
   bool running_ SEGUE_GUARDED_BY(mutex_) = false;
-  std::uint64_t received_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::uint64_t early_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::uint64_t refused_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::uint64_t lost_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::uint64_t corrupt_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::uint64_t bytes_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::deque<std::vector<std::byte>> waiting_ SEGUE_GUARDED_BY(mutex_);
   // Changed only while there is no reader, whose callbacks use it.
   std::optional<AnyOutput> out_;

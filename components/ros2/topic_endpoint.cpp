@@ -194,8 +194,8 @@ std::vector<std::string> TopicEndpoint::mismatch_texts() const {
   return texts;
 }
 
-std::uint64_t TopicEndpoint::mismatched() const {
-  return mismatches().size();
+std::uint32_t TopicEndpoint::mismatched() const {
+  return static_cast<std::uint32_t>(mismatches().size());
 }
 
 void TopicEndpoint::check_others() {

@@ -49,7 +49,7 @@ class TopicEndpoint : public segue::task::Component {
   void missed(const std::string& what, std::uint32_t times);
   [[nodiscard]] std::uint64_t missed() const { return missed_; }
   /// How many endpoints of others have the topic but get nothing from this one, or the reverse.
-  [[nodiscard]] std::uint64_t mismatched() const;
+  [[nodiscard]] std::uint32_t mismatched() const;
 
  private:
   segue::Result<segue::ros2::Quality> wanted_quality() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does not fit, lies, or comes and goes.
+// Peers that do not fit, that send wrong bytes, or that come and go.
 #include "topics_test_support.hpp"
 
 namespace ros2::testing {
@@ -142,9 +142,6 @@ TEST_F(TopicFaults, ATaskThatComesAndGoesLeavesNothing) {
     }
     ASSERT_TRUE(eventually([&] { return cyclone->subscriptions() == 0 && fast->publishers() == 0; })) << i;
   }
-  EXPECT_TRUE(eventually([&] {
-    return std::ranges::all_of(cyclone->others(), [](const auto& other) { return other.nodes.empty(); });
-  }));
 }
 
 /// Returns the error of a Subscription with this property in place of the usual one.

@@ -9,6 +9,7 @@
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 
+#include <support/dds_suppressions.hpp>
 #include <support/eventually.hpp>
 #include <support/running_task.hpp>
 #include <support/temporary_files.hpp>
@@ -22,6 +23,12 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#ifdef SEGUE_SANITIZER_THREAD
+extern "C" [[gnu::used]] const char* __tsan_default_suppressions() {
+  return segue::testing::kDdsSuppressions;
+}
+#endif
 
 /// The struct of a user who has the message as a C++ type.
 namespace std_msgs {

@@ -29,7 +29,7 @@ struct Mismatch {
       true;  ///< false: its participant is one of ROS 2, which has not yet said whose endpoint it is
 };
 
-/// What is known of nodes and their endpoints. Any thread.
+/// All that is known of nodes and their endpoints. Any thread.
 class NodeGraph {
  public:
   /// Notes a participant of ROS 2, whose nodes will be told.

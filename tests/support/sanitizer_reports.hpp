@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string>
 
-#include "cyclone_suppressions.hpp"
+#include "dds_suppressions.hpp"
 
 /// Collects the reports of thread sanitizer from the processes that a test starts, which otherwise go to logs
 /// that are removed with the test.
@@ -20,7 +20,7 @@ inline void collect_sanitizer_reports(const std::filesystem::path& folder) {
   options = options.substr(0, options.find(":log_path="));
   options += ":log_path=" + (folder / "sanitizer_report").string();
   const auto suppressions = folder / "sanitizer_suppressions";
-  std::ofstream(suppressions) << kCycloneSuppressions;
+  std::ofstream(suppressions) << kDdsSuppressions;
   options += ":suppressions=" + suppressions.string();
   ::setenv("TSAN_OPTIONS", options.c_str(), 1);
 }
