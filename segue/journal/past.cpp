@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/clock.hpp>
 #include <segue/base/text.hpp>
 #include <segue/journal/journal_report.hpp>
 #include <segue/journal/past.hpp>
@@ -34,7 +35,8 @@ constexpr std::int64_t kMostMissionEntries = 4000;
 constexpr std::int64_t kMostDifferences = 50;
 constexpr std::size_t kMostWords = 8;
 constexpr std::size_t kLongestWords = 200;
-constexpr const char* kQuestions = "must be 'requests', 'request', 'missions', 'mission', 'at' or 'span'";
+constexpr const char* kQuestions =
+    "must be 'requests', 'request', 'missions', 'mission', 'at', 'span' or 'clock'";
 /// Beyond it, nanoseconds since 1970 do not fit.
 constexpr double kLatest = 9e9;
 
@@ -352,6 +354,10 @@ Result<Value> answer(Database& database, const std::string& ask, const Value& qu
 Result<Value> answer_about_past(const std::filesystem::path& path, const Value& question) {
   const Value* ask = question.is_map() ? question.find("ask") : nullptr;
   if (ask == nullptr || !ask->is_string()) return wrong("ask", kQuestions);
+  if (ask->as_string() == "clock") {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return Value::map({{"now_s", seconds(std::chrono::duration_cast<Duration>(now).count())}});
+  }
   std::error_code failed;
   if (!std::filesystem::exists(path, failed))
     return fail(ErrorCode::NotFound, "there is no journal " + quote(path.native()));

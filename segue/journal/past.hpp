@@ -36,6 +36,8 @@ namespace segue::journal {
 /// "span": of what is recorded. Answers {"first_s", "last_s" (null: nothing), "marks": [{"id", "time_s",
 /// "outcome"}], 500 at most, evenly chosen}.
 ///
+/// "clock": the clock that the times of a journal are of. Answers {"now_s"}, without the file.
+///
 /// NotFound where there is no journal, or no such request or run; InvalidArgument where the question is none.
 /// Blocks while the file is read.
 Result<type::Value> answer_about_past(const std::filesystem::path& path, const type::Value& question);

@@ -62,6 +62,14 @@ class PastTest : public ::testing::Test {
   const std::filesystem::path path_ = folder_ / "j";
 };
 
+TEST_F(PastTest, TheClockIsThatOfTheEntries) {
+  const auto now = [] { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); };
+  const double before = now();
+  const double told = ask({{"ask", "clock"}}).find("now_s")->as_double();
+  EXPECT_GE(told, before);
+  EXPECT_LE(told, now());
+}
+
 TEST_F(PastTest, RequestsComeInPagesNewestFirst) {
   {
     Journal journal(path_);

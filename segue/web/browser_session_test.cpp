@@ -143,6 +143,20 @@ TEST_F(SessionTest, AnybodyMayAskAboutThePast) {
             "invalid-argument");
 }
 
+TEST_F(SessionTest, TheClockOfTheRobotComesWithThatOfThePorts) {
+  using Seconds = std::chrono::duration<double>;
+  const auto session = browser(Role::Observe);
+  const Seconds before = monotonic_now().time_since_epoch();
+  session->receive(R"({"id": 3, "verb": "past", "arguments": {"ask": "clock"}})");
+  const Value clock = *message(*session, "id").find("result");
+  const Seconds after = monotonic_now().time_since_epoch();
+  EXPECT_EQ(clock.find("now_s")->as_double(), 1.8e9);
+  const double studio = clock.find("studio_s")->as_double();
+  const double within = clock.find("within_s")->as_double();
+  EXPECT_GE(studio - within, before.count() - 1e-6);  // a double has microseconds
+  EXPECT_LE(studio + within, after.count() + 1e-6);
+}
+
 TEST_F(SessionTest, WrongMessagesAreAnsweredByErrors) {
   const auto session = browser();
   EXPECT_EQ(error_code(*session, "{"), "parse-error");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/web/page_verbs.hpp>
 
+#include <segue/base/clock.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/verbs.hpp>
 
@@ -193,8 +194,17 @@ Result<Value> ask_events(const Request& request) {
 }
 
 /// Asks the journal of the robot, which says itself what a question needs.
+/// An answer with the robot's clock gets the one of documents of ports, too, so that a page can compare times
+/// of both.
 Result<Value> ask_past(const Request& request) {
-  return request.robot.past(request.command.arguments());
+  using Seconds = std::chrono::duration<double>;
+  const TimePoint asked = monotonic_now();
+  auto answer = request.robot.past(request.command.arguments());
+  const Duration half = (monotonic_now() - asked) / 2;
+  if (!answer || answer->find("now_s") == nullptr) return answer;
+  answer->as_map().set("studio_s", Seconds((asked + half).time_since_epoch()).count());
+  answer->as_map().set("within_s", Seconds(half).count());
+  return answer;
 }
 
 using OfRobot = Result<Value> (*)(const Request&);
