@@ -4,6 +4,8 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
+import { addPanel, coloured } from './panels.mjs';
+import { lookAt } from './screens.mjs';
 import { Stage } from './stage.mjs';
 
 const [segue, pictures] = process.argv.slice(2);
@@ -65,6 +67,71 @@ async function watchFilms(page) {
   await film.getByRole('button', { name: 'Close the film' }).click();
 }
 
+const left = async (mark) => Math.round((await mark.boundingBox()).x);
+
+/** The cursor of a chart moves with the film, and the film with clicks into the chart. */
+async function moveThroughChart(page, chart, slider) {
+  const [cursor, area] = [chart.locator('.film-cursor'), await chart.locator('.u-over').boundingBox()];
+  let [first, last] = [0, 0];
+  for (let zoomed = 0; zoomed < 20; ++zoomed) {
+    await press(slider, 'End');
+    last = await left(cursor);
+    await press(slider, 'Home');
+    first = await left(cursor);
+    if (last - first > area.width / 5) break;
+    await slider.fill('100');
+    await page.getByRole('region', { name: 'Plots of this time' }).getByRole('button', { name: 'Zoom in' }).click();
+  }
+  assert.ok(area.x < first && first + 30 < last && last < area.x + area.width, [area.x, first, last, area.width].join(' '));
+  const commit = await chart.locator('.phase-commit').boundingBox();
+  assert.ok(first - 1 <= commit.x && commit.x + commit.width <= last + 3, 'the commit lies within the film');
+
+  const track = await slider.boundingBox();
+  await page.mouse.move(track.x + 8, track.y + track.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(track.x + track.width / 2, track.y + track.height / 2, { steps: 5 });
+  await page.mouse.up();
+  assert.ok(Math.abs((await left(cursor)) - (first + last) / 2) <= 0.1 * (last - first) + 2, 'the cursor follows the slider');
+  await page.mouse.click(last - (last - first) / 4, area.y + area.height / 2);
+  assert.ok(Math.abs((await left(cursor)) - (last - (last - first) / 4)) <= 3, 'the cursor comes to the click');
+  assert.ok(Math.abs(Number(await slider.inputValue()) - 150) <= 0.1 * 200, 'the film comes to the click');
+  await page.mouse.click(area.x + 2, area.y + area.height / 2); // before the film
+  assert.equal(await slider.inputValue(), '0');
+  await chart.getByRole('img').press('ArrowRight');
+  assert.equal(await slider.inputValue(), '1');
+  await page.getByRole('button', { name: 'Play' }).click();
+  await page.getByRole('button', { name: 'Play' }).waitFor();
+  assert.equal(await left(cursor), last);
+}
+
+/** The film of a switch beside the plots of its time. */
+async function watchSignals(page) {
+  await line(page, 'go_to → broken').click();
+  await page.getByText('No plots of this time: samples are kept from when a port is plotted over time, while this page is open.').waitFor();
+  await page.getByRole('link', { name: 'Plot a port' }).click();
+  await addPanel(page, { fields: { 'drive.velocity': ['forward', 'turn'] }, title: 'Speed' });
+  await addPanel(page, { fields: { 'odometry.pose': ['x', 'y'] }, title: 'Position', kind: 'plot over time' });
+  await page.getByRole('region', { name: 'Position', exact: true }).locator('[data-line="1"]', { hasText: /\d/ }).waitFor();
+  await page.getByRole('link', { name: 'Switch' }).click();
+  stage.run(['switch', 'go_to']);
+  await page.getByRole('link', { name: 'Past' }).click();
+  await line(page, 'manual → go_to').click();
+  const plots = page.getByRole('region', { name: 'Plots of this time' });
+  const speed = plots.getByRole('region', { name: 'Speed' });
+  await coloured(speed.locator('canvas'), [31, 95, 208]);
+  const slider = page.getByRole('slider', { name: 'Time of the film' });
+  await press(slider, 'End');
+  await speed.getByText(/drive.velocity forward -?\d/).waitFor();
+  await plots.getByRole('region', { name: 'Position' }).getByText(/odometry.pose x -?\d/).waitFor();
+  await taskIn(page, 'seeker').filter({ hasText: 'running' }).waitFor();
+  assert.deepEqual(await lookAt(stage, page, 'past_signals'), []);
+  await page.setViewportSize({ width: 1360, height: 820 });
+  await moveThroughChart(page, speed, slider);
+  await stage.capture(page, 'past_signals');
+  await plots.getByRole('button', { name: 'All' }).click();
+  await page.getByRole('button', { name: 'Close the film' }).click();
+}
+
 async function goBackInTime(page) {
   const at = page.getByRole('complementary', { name: 'At that time' });
   const controllerThen = (name) => at.locator('[data-controller="' + name + '"]').waitFor();
@@ -109,8 +176,9 @@ await stage.play(async () => {
   await search(page);
   await watchFilms(page);
   await goBackInTime(page);
+  await watchSignals(page);
   await page.emulateMedia({ colorScheme: 'dark' });
-  await line(page, 'explore → go_to').click();
-  await page.getByRole('slider', { name: 'Time of the film' }).waitFor();
+  await line(page, 'manual → go_to').click();
+  await page.getByRole('region', { name: 'Plots of this time' }).waitFor();
   await stage.capture(page, 'past_dark');
 });

@@ -4,6 +4,7 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
+import { addPanel as add, coloured, drawn } from './panels.mjs';
 import { Stage } from './stage.mjs';
 
 const [segue, pictures, seeing] = process.argv.slice(2);
@@ -46,53 +47,16 @@ function follow(page) {
       if (verb === 'unsubscribe') looking.delete(given.document);
     });
   });
-  return { ports: () => [...looking].filter((document) => document.startsWith('port/')).sort() };
-}
-
-async function add(page, { words, fields, kind, title }) {
-  await page.getByRole('button', { name: 'Add a panel' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Add a panel' });
-  for (const [port, names] of Object.entries(fields)) {
-    await dialog.getByLabel('Find ports').fill(words ?? port);
-    await dialog.getByRole('button', { name: port }).click();
-    for (const name of names) await dialog.getByLabel(name, { exact: false }).first().check();
-  }
-  if (kind) await dialog.getByRole('radio', { name: kind }).check();
-  if (title) await dialog.getByLabel('Title').fill(title);
-  await dialog.getByRole('button', { name: 'Add', exact: true }).click();
-  await dialog.waitFor({ state: 'detached' });
+  const ports = () => [...looking].filter((document) => document.startsWith('port/')).sort();
+  /** Waits until the page looks at these ports alone. */
+  const only = async (...expected) => {
+    for (const deadline = Date.now() + 20000; Date.now() < deadline && ports().join() !== expected.join(); await new Promise((resolve) => setTimeout(resolve, 50)));
+    assert.deepEqual(ports(), expected);
+  };
+  return { ports, only };
 }
 
 const panelOf = (page, title) => page.getByRole('region', { name: title, exact: true });
-
-/** Waits until a canvas has pixels of more than `most` colours. */
-async function drawn(canvas, most) {
-  const handle = await canvas.elementHandle();
-  await canvas.page().waitForFunction(
-    ([place, least]) => {
-      const { data } = place.getContext('2d').getImageData(0, 0, place.width, place.height);
-      const colours = new Set();
-      for (let at = 0; at < data.length; at += 4) colours.add((data[at] << 16) | (data[at + 1] << 8) | data[at + 2]);
-      return colours.size > least;
-    },
-    [handle, most],
-    { polling: 300 },
-  );
-}
-
-/** Waits until a canvas has a pixel of about that colour. */
-async function coloured(canvas, colour) {
-  const handle = await canvas.elementHandle();
-  await canvas.page().waitForFunction(
-    ([place, wanted]) => {
-      const { data } = place.getContext('2d').getImageData(0, 0, place.width, place.height);
-      for (let at = 0; at < data.length; at += 4) if (wanted.every((part, index) => Math.abs(data[at + index] - part) <= 12)) return true;
-      return false;
-    },
-    [handle, colour],
-    { polling: 300 },
-  );
-}
 
 async function addPanels(page, looking) {
   // By the keyboard alone: Enter in the search chooses the first port.
@@ -241,8 +205,16 @@ await stage.play(async () => {
 
   if (seeing) await see(page);
 
-  // What no panel shows is not looked at.
+  // In other views only samples over time are kept, also those of a panel that was paused; they are there afterwards.
+  const speed = panelOf(page, 'Speed');
+  await speed.getByLabel('Pause Speed').click();
+  await speed.getByText('Paused').waitFor();
   await page.getByRole('link', { name: 'Network' }).click();
-  await page.getByRole('region', { name: 'Speed' }).waitFor({ state: 'detached' });
-  assert.deepEqual(looking.ports(), []);
+  await speed.waitFor({ state: 'detached' });
+  await looking.only('port/drive/velocity', ...(seeing ? [] : ['port/laser/scan', 'port/odometry/pose']));
+  await page.getByRole('link', { name: 'Plots' }).click();
+  await speed.locator('[data-line="0"]', { hasText: /\d/ }).waitFor();
+  // What no panel shows is not looked at.
+  for (const title of await titles(page)) await page.getByRole('button', { name: 'Remove ' + title, exact: true }).click();
+  await looking.only();
 });

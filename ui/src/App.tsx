@@ -10,6 +10,7 @@ import { MissionsView } from './missions/MissionsView';
 import { NetworkView } from './network/NetworkView';
 import { PastView } from './past/PastView';
 import { PlotsView } from './plots/PlotsView';
+import { PlotsContext, usePlotsOf } from './plots/usePlots';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { Skipped } from './robot/Skipped';
 import { statusOf, type Status } from './robot/types';
@@ -126,14 +127,15 @@ function Shown({ view, known: { status, isOld, error } }: { view: View; known: K
 export function App() {
   const view = useView();
   const known = useKnown();
+  const plots = usePlotsOf(useConnection().robot);
   const { status, isOld } = known;
   return (
-    <>
+    <PlotsContext value={plots}>
       <Top view={view} known={known} />
       {status && <HaltBanner status={status} />}
       {status && !isOld && <HealthBanner status={status} />}
       <LinkBanner known={known} />
       <Shown view={view} known={known} />
-    </>
+    </PlotsContext>
   );
 }

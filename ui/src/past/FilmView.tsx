@@ -5,17 +5,14 @@ import { FrameGraph } from './FrameGraph';
 import { filmOf, frameOf, momentOf, type Film, type Moment, type PastAction, type PastTransition } from './film';
 import { toneOfOutcome } from '../robot/outcome';
 import { Panel } from '../panes/Panel';
-import { stepOf, timeOf } from './slider';
+import { FilmCharts } from './FilmCharts';
+import { sliderSteps, stepOf, timeOf, timeText } from './slider';
 
 const phases = ['prepare', 'commit', 'retire'];
 const speeds = [0.001, 0.01, 0.1, 0.25, 1, 4];
-const sliderSteps = 200;
 /** A film shall not be over at once. */
 const shortest = 2;
 
-function timeText(seconds: number, length: number): string {
-  return length < 1 ? (seconds * 1e3).toFixed(length < 0.01 ? 3 : 1) + ' ms' : seconds.toFixed(2) + ' s';
-}
 const signs: Record<Moment, string> = { waiting: '·', running: '…', done: '✓', failed: '✗', skipped: '–' };
 
 function Actions({ name, actions, at }: { name: string; actions: PastAction[]; at: number }) {
@@ -136,7 +133,10 @@ export function FilmView({ transition, onClose }: { transition: PastTransition; 
         {film.steps.length === 0 && !film.before ? (
           <p className="empty">Nothing was done: {transition.error ?? transition.outcome}</p>
         ) : (
-          <FrameGraph label="Networks of the transition" frame={frame} />
+          <>
+            <FrameGraph label="Networks of the transition" frame={frame} />
+            <FilmCharts film={film} at={at} onTime={player.moveTo} />
+          </>
         )}
       </section>
       <TransitionPanel film={film} at={at} />

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { endsOf, filmOf, frameOf, frameOfNetwork, momentOf, networkOf, taskOfAction, type PastAction, type PastTransition } from './film';
+import { endsOf, filmOf, frameOf, frameOfNetwork, momentOf, networkOf, phasesOf, taskOfAction, type PastAction, type PastTransition } from './film';
 
 function action(label: string, started: number, ended: number, outcome = 'done'): PastAction {
   return {
@@ -70,6 +70,13 @@ describe('a film', () => {
     expect(networkOf('{')).toBeNull();
     expect(networkOf('[]')).toBeNull();
     expect(frameOfNetwork(before).edges).toEqual([{ id: 'a -> b', source: 'a', target: 'b', fate: 'unchanged', presence: 'there' }]);
+  });
+
+  it('has phases, as far as something was done in them', () => {
+    const actions = transition.actions.map((one, index) => ({ ...one, phase: index === 0 ? 'prepare' : index < 4 ? 'commit' : 'retire' }));
+    expect(phasesOf(filmOf({ ...transition, actions }))).toEqual([{ phase: 'prepare', from: 0, to: 1 }, { phase: 'commit', from: 1, to: 4 }, { phase: 'retire', from: 4, to: 5 }]);
+    const undone = { ...transition, actions: [actions[0]!, { ...actions[5]!, outcome: 'skipped' }], undo_actions: [action('cleanup c', 2, 3)] };
+    expect(phasesOf(filmOf(undone)).map((one) => one.phase)).toEqual(['prepare', 'undo']);
   });
 
   it('knows when an action ran', () => {

@@ -99,6 +99,25 @@ export function filmOf(transition: PastTransition): Film {
   return { transition, before: networkOf(transition.before), after: networkOf(transition.after), steps, length: Math.max(last, transition.lasted_s ?? 0) };
 }
 
+/** From when to when a phase of a transition was carried out. */
+export interface PhaseSpan {
+  /** "prepare", "commit", "retire", "undo". */
+  phase: string;
+  from: number;
+  to: number;
+}
+
+/** The phases in which something was done. */
+export function phasesOf({ steps, transition }: Film): PhaseSpan[] {
+  const spans = new Map<string, PhaseSpan>();
+  for (const action of steps) {
+    const phase = transition.undo_actions.includes(action) ? 'undo' : action.phase;
+    const { from, to } = spans.get(phase) ?? { from: Infinity, to: 0 };
+    spans.set(phase, { phase, from: Math.min(from, action.started_s), to: Math.max(to, endOf(action)) });
+  }
+  return [...spans.values()].sort((a, b) => a.from - b.from);
+}
+
 /** The state of an action at a time of the film. */
 export type Moment = 'waiting' | 'running' | 'done' | 'failed' | 'skipped';
 

@@ -6,6 +6,14 @@ export function timeInAddress(hash: string): number | null {
   return found ? Number(found[1]) : null;
 }
 
+/** A film's time, as exactly as its length needs. */
+export function timeText(seconds: number, length: number): string {
+  return length < 1 ? (seconds * 1e3).toFixed(length < 0.01 ? 3 : 1) + ' ms' : seconds.toFixed(2) + ' s';
+}
+
+/** Of the slider of a film. */
+export const sliderSteps = 200;
+
 /** Times from `first` to `last` as positions of a slider, 0 to `steps`. */
 export interface Scale {
   first: number;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useCallback, useEffect, useRef, useState } from 'react';
+import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
 import { useConnection } from '../robot/hooks';
 import type { PastRequest, PastTransition } from './film';
+import { isClock, type Clock } from './film_samples';
 
 export interface Span {
   first_s: number | null;
@@ -132,4 +133,10 @@ export function useSpan(changed: string) {
 
 export function useMoment(time: number | null, changed: string) {
   return useAnswer<PastMoment>(time === null ? null : { ask: 'at', time_s: time }, changed);
+}
+
+/** The robot's clock beside that of samples; or why it is not known. Both null until the answer is there. */
+export function useClock(): { clock: Clock | null; problem: string | null } {
+  const { answer, problem } = useAnswer<unknown>({ ask: 'clock' });
+  return useMemo(() => ({ clock: isClock(answer) ? answer : null, problem: answer !== null && !isClock(answer) ? 'it runs an older Segue' : problem }), [answer, problem]);
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { KeyboardEvent } from 'react';
 import { ActionButton } from '../ActionButton';
+import { colourOf } from './chart';
 import { Footer } from './Footer';
 import type { Panel } from './layout';
-import { colourOf, useChart } from './useChart';
+import { useChart } from './useChart';
 
 const longestLegend = 16;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Skipped } from '../robot/Skipped';
-import type { SampleState } from './useSamples';
+import type { SampleState } from './samples';
 
 /** Notes on the samples of a panel: errors, pauses and skipped samples. */
 export function Footer({ state, paused, problem }: { state: SampleState; paused: boolean; problem?: string }) {

@@ -1,57 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useRef, useState } from 'react';
 import { ActionButton } from '../ActionButton';
-import { reason } from '../reason';
 import { useConnection } from '../robot/hooks';
 import type { Status } from '../robot/types';
-import { layoutText, mostPanels, mostPorts, newId, parseLayout, portsOf, type Panel } from './layout';
+import { layoutText, mostPanels, newId, type Panel } from './layout';
 import { PanelDialog, type Chosen } from './PanelDialog';
 import { PanelFrame } from './PanelFrame';
-import { download, keepLayout, storedLayout } from './stored';
+import { download } from './stored';
+import { usePlots, type Plots } from './usePlots';
 import './plots.css';
-
-const longestFile = 1 << 20;
-
-interface Note {
-  text: string;
-  bad: boolean;
-  /** The panels that a loaded layout has replaced. */
-  before?: Panel[];
-}
-
-/** The panels that this browser keeps for the robot, and what is told of the last change. */
-function usePanels(robot: string) {
-  const [first] = useState(() => storedLayout(robot));
-  const [panels, setPanels] = useState<Panel[]>(first.panels);
-  const [note, setNote] = useState<Note | null>(first.problem ? { text: first.problem, bad: true } : null);
-  const keep = (next: Panel[], told: Note | null = null) => {
-    const ports = portsOf(next).size;
-    if (ports > mostPorts) return setNote({ text: 'That would show ' + ports + ' ports; ' + mostPorts + ' are the most.', bad: true });
-    setPanels(next);
-    const problem = keepLayout(robot, next);
-    setNote(problem ? { text: problem, bad: true } : told);
-  };
-  const load = async (chosen: File) => {
-    try {
-      if (chosen.size > longestFile) throw new Error('it is larger than 1 MiB');
-      const next = parseLayout(await chosen.text());
-      keep(next, { text: 'Loaded ' + chosen.name + '.', bad: false, before: panels });
-    } catch (error) {
-      setNote({ text: chosen.name + ' was not loaded: ' + reason(error), bad: true });
-    }
-  };
-  const move = (from: number, to: number) => {
-    const next = [...panels];
-    const [panel] = next.splice(from, 1);
-    if (!panel || to < 0 || to > next.length) return;
-    next.splice(to, 0, panel);
-    keep(next);
-  };
-  const change = (changed: Panel) => keep(panels.map((one) => (one.id === changed.id ? changed : one)));
-  const remove = (panel: Panel) => keep(panels.filter((one) => one.id !== panel.id), { text: 'Removed ' + panel.title + '.', bad: false, before: panels });
-  return { panels, note, keep, load, move, change, remove };
-}
-type Panels = ReturnType<typeof usePanels>;
 
 function LoadButton({ onFile }: { onFile: (file: File) => void }) {
   const input = useRef<HTMLInputElement>(null);
@@ -70,7 +27,7 @@ function LoadButton({ onFile }: { onFile: (file: File) => void }) {
   );
 }
 
-function Bar({ robot, all, onAdd }: { robot: string; all: Panels; onAdd: () => void }) {
+function Bar({ robot, all, onAdd }: { robot: string; all: Plots; onAdd: () => void }) {
   const { panels, note, keep, load } = all;
   return (
     <div className="bar">
@@ -90,7 +47,7 @@ function Bar({ robot, all, onAdd }: { robot: string; all: Panels; onAdd: () => v
 /** Panels that plot, draw or map the samples of ports, arranged as the user likes. */
 export function PlotsView({ status }: { status: Status }) {
   const { robot } = useConnection();
-  const all = usePanels(robot);
+  const all = usePlots();
   const { panels, keep, move, change, remove } = all;
   const [editing, setEditing] = useState<Panel | 'new' | null>(null);
   const finish = (chosen: Chosen) => {

@@ -23,13 +23,36 @@ function numberOf(value: Json | undefined): number | null {
   return typeof value === 'number' ? value : typeof value === 'boolean' ? Number(value) : null;
 }
 
-/** The numbers of sources over time, of each port at the times of its own samples. */
+/** How long samples are kept, in seconds: as long as the longest window of a panel. */
+export const keptSeconds = 600;
+
+/** The samples of a record from one time to another; x: seconds after `zero`. */
+function part({ times, columns }: Record, from: number, to: number, zero: number): UPlot.AlignedData {
+  const [first, end] = [firstFrom(times, from), firstFrom(times, to)];
+  const last = times[end] === to ? end + 1 : end;
+  return [times.slice(first, last).map((time) => time - zero), ...[...columns.values()].map((column) => column.slice(first, last))];
+}
+
+/** The index of the first of rising times that is not before `time`. */
+function firstFrom(times: number[], time: number): number {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle]! < time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/** The numbers of sources over time, of each port at the times of its own samples (seconds of the studio's monotonic clock). */
 export class TimeRecorder {
   private readonly records = new Map<string, Record>();
-  constructor(
-    private readonly sources: Source[],
-    public seconds: number,
-  ) {}
+  constructor(private readonly sources: Source[]) {}
+
+  /** How many numbers are kept, times included. */
+  get size(): number {
+    return [...this.records.values()].reduce((sum, record) => sum + record.times.length * (1 + record.columns.size), 0);
+  }
 
   add(document: string, time: number, sample: Json): void {
     const record = this.recordOf(document);
@@ -41,7 +64,12 @@ export class TimeRecorder {
     }
     record.times.push(time);
     for (const [label, column] of record.columns) column.push(numbers.get(label) ?? null);
-    this.forget(record, time - this.seconds);
+    this.forget(record, firstFrom(record.times, time - keptSeconds));
+  }
+
+  /** Forgets the older half of each port's samples. */
+  halve(): void {
+    for (const record of this.records.values()) this.forget(record, Math.ceil(record.times.length / 2));
   }
 
   /** Interrupts the lines: values that come from now on are not joined by lines to those before. */
@@ -54,12 +82,17 @@ export class TimeRecorder {
     }
   }
 
-  /** x: seconds before the newest sample, so 0 at the most. */
-  drawn(): Drawn {
+  /** The last seconds; x: seconds before the newest sample, so 0 at the most. */
+  drawn(seconds: number): Drawn {
+    const now = Math.max(...[...this.records.values()].map((record) => record.times[record.times.length - 1] ?? -Infinity));
+    return this.between(now - seconds, now, now);
+  }
+
+  /** The samples from one time to another; x: seconds after `zero`. No lines where there are no samples of that time. */
+  between(from: number, to: number, zero: number): Drawn {
     const records = [...this.records.values()].filter((record) => record.columns.size > 0);
-    if (records.length === 0) return { labels: [], data: [[]] };
-    const now = Math.max(...records.map((record) => record.times[record.times.length - 1] ?? 0));
-    const tables = records.map((record) => [record.times.map((time) => time - now), ...record.columns.values()] as UPlot.AlignedData);
+    const tables = records.map((record) => part(record, from, to, zero));
+    if (tables.every((table) => table[0].length === 0)) return { labels: [], data: [[]] };
     return { labels: records.flatMap((record) => [...record.columns.keys()]), data: tables.length === 1 ? tables[0]! : UPlot.join(tables) };
   }
 
@@ -80,12 +113,10 @@ export class TimeRecorder {
     return numbers;
   }
 
-  private forget(record: Record, before: number): void {
-    let old = 0;
-    while ((record.times[old] ?? before) < before) ++old;
-    if (old === 0) return;
-    record.times.splice(0, old);
-    for (const column of record.columns.values()) column.splice(0, old);
+  private forget(record: Record, count: number): void {
+    if (count === 0) return;
+    record.times.splice(0, count);
+    for (const column of record.columns.values()) column.splice(0, count);
   }
 }
 

@@ -1,75 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useCallback, useEffect, useMemo, useRef, useState, type RefObject } from 'react';
-import UPlot from 'uplot';
-import 'uplot/dist/uPlot.min.css';
+import { useCallback, useEffect, useRef, useState, type RefObject } from 'react';
+import type UPlot from 'uplot';
 import { useLatest } from '../useLatest';
+import { makeChart, writeValues, zoomedRange, type Range } from './chart';
 import type { Panel } from './layout';
-import { ProfileRecorder, TimeRecorder } from './recorder';
+import { ProfileRecorder } from './recorder';
+import { useKept } from './usePlots';
 import { useDark, useFrame, useSamples, useSize } from './useSamples';
-
-const lightColours = ['#1f5fd0', '#b3400a', '#0b6b49', '#7a2fc0', '#a81f49', '#59616f', '#006d86', '#7c5c00'];
-const darkColours = ['#82aefc', '#ff9d66', '#6fd3a8', '#c79bff', '#ff8fae', '#b8c0cc', '#5fd0e8', '#e6c04f'];
-
-/** Of the line with that index. */
-export const colourOf = (index: number, dark: boolean) => (dark ? darkColours : lightColours)[index % lightColours.length];
-
-function shortNumber(value: number | null | undefined): string {
-  if (value === null || value === undefined) return '–';
-  return Number.isInteger(value) && Math.abs(value) < 1e6 ? String(value) : value.toPrecision(4);
-}
-
-type Range = [least: number, most: number];
-
-/** A chart of uPlot in `holder`. */
-function makeChart(holder: HTMLElement, profile: boolean, labels: string[], dark: boolean, range: () => Range | null, onZoom: (range: Range) => void, onCursor: () => void): UPlot {
-  const text = getComputedStyle(holder).color;
-  const axis = { stroke: text, grid: { stroke: 'rgba(127,127,127,.22)', width: 1 }, ticks: { show: false } };
-  return new UPlot(
-    {
-      width: holder.clientWidth,
-      height: holder.clientHeight,
-      legend: { show: false },
-      cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 6 } },
-      scales: { x: { time: false, range: (_chart, least, most) => range() ?? [least, Math.max(most, least + 1)] } },
-      axes: [{ ...axis, size: 28, values: (_chart, ticks) => ticks.map((tick) => (profile ? String(tick) : Number(tick.toFixed(3)) + ' s')) }, { ...axis, size: 56 }],
-      series: [{}, ...labels.map((label, index) => ({ label, stroke: colourOf(index, dark), width: 1.5, points: { show: false } }))],
-      hooks: {
-        setCursor: [onCursor],
-        setSelect: [
-          (chart) => {
-            const { left, width } = chart.select;
-            if (width < 4) return;
-            onZoom([chart.posToVal(left, 'x'), chart.posToVal(left + width, 'x')]);
-            chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
-          },
-        ],
-      },
-    },
-    [[], ...labels.map(() => [])] as UPlot.AlignedData,
-    holder,
-  );
-}
-
-/** Writes the values of lines into their places in the list: those at the cursor, or the newest. */
-function writeValues(list: HTMLElement, chart: UPlot, profile: boolean): void {
-  for (const place of list.querySelectorAll<HTMLElement>('[data-line]')) {
-    const line = chart.data[Number(place.dataset['line']) + 1];
-    let at = chart.cursor.idx ?? -1;
-    // Ports have times of their own: the value before the cursor, or the newest.
-    if (at < 0) at = (line?.length ?? 0) - 1;
-    while (!profile && at > 0 && (line?.[at] ?? null) === null) --at;
-    place.textContent = shortNumber(line?.[at]);
-  }
-}
-
-/** The visible range times a factor, around the cursor or the middle; null: there is none. */
-function zoomedRange(chart: UPlot | null, factor: number): Range | null {
-  const scale = chart?.scales['x'];
-  if (!chart || scale?.min === undefined || scale.max === undefined || scale.min === null || scale.max === null) return null;
-  const at = chart.cursor.idx;
-  const middle = typeof at === 'number' ? chart.data[0][at]! : (scale.min + scale.max) / 2;
-  return [middle + (scale.min - middle) * factor, middle + (scale.max - middle) * factor];
-}
 
 function moveCursor(chart: UPlot | null, step: number): void {
   if (!chart) return;
@@ -79,14 +16,16 @@ function moveCursor(chart: UPlot | null, step: number): void {
   if (x !== undefined) chart.setCursor({ left: chart.valToPos(x, 'x'), top: 10 });
 }
 
-function useRecorder(panel: Panel, profile: boolean): TimeRecorder | ProfileRecorder {
-  const sources = JSON.stringify(panel.sources);
-  const recorder = useMemo(
-    () => (profile ? new ProfileRecorder(panel.sources) : new TimeRecorder(panel.sources, panel.seconds)),
-    [profile, sources], // eslint-disable-line: a new list of the same sources is not a change
-  );
-  if (recorder instanceof TimeRecorder) recorder.seconds = panel.seconds;
-  return recorder;
+/** The samples of a panel: of its lists those that come from now on, over time those that the page keeps. */
+function useRecorded(panel: Panel, paused: boolean, draw: () => void) {
+  const profile = panel.kind === 'profile';
+  const [lists] = useState(() => new ProfileRecorder(panel.sources));
+  const kept = useKept(profile ? null : panel, paused, draw);
+  const state = useSamples(profile ? panel.sources : [], paused, (document, time, sample) => {
+    lists.add(document, time, sample);
+    draw();
+  });
+  return { drawn: () => (kept ? kept.recorder.drawn(panel.seconds) : lists.drawn()), state: kept?.state ?? state };
 }
 
 /** The part of x that is zoomed to. Who zooms in time pauses the panel; `range` is what is seen. */
@@ -118,7 +57,8 @@ function useMade(chart: RefObject<UPlot | null>, { holder, labels, profile, dark
   useEffect(() => {
     const place = holder.current;
     if (!place || labels.length === 0) return;
-    const made = makeChart(place, profile, labels, dark, range, zoomTo, showValues);
+    const xText = profile ? String : (seconds: number) => Number(seconds.toFixed(3)) + ' s';
+    const made = makeChart(place, { labels, dark, range, xText, onZoom: zoomTo, onCursor: showValues });
     chart.current = made;
     draw();
     return () => {
@@ -141,27 +81,22 @@ export function useChart(panel: Panel, paused: boolean, onPause: (paused: boolea
   const [labels, setLabels] = useState<string[]>([]);
   const [hidden, setHidden] = useState<Set<string>>(new Set());
   const { zoom, setZoom, range, zoomTo } = useZoom(panel, profile, onPause);
-  const recorder = useRecorder(panel, profile);
   const showValues = useFrame(() => {
     if (chart.current && list.current) writeValues(list.current, chart.current, profile);
   });
   const draw = useFrame(() => {
-    const drawn = recorder.drawn();
+    const drawn = recorded.drawn();
     setLabels((before) => (before.join('\n') === drawn.labels.join('\n') ? before : drawn.labels));
     if (chart.current?.series.length !== drawn.labels.length + 1) return;
     chart.current.setData(drawn.data);
     showValues();
   });
-  const state = useSamples(panel.sources, paused, (document, time, sample) => {
-    recorder.add(document, time, sample);
-    draw();
-  });
+  const recorded = useRecorded(panel, paused, draw);
   useEffect(() => {
-    if (paused) recorder.gap();
-    else if (!profile) setZoom(null);
-  }, [paused, recorder, profile, setZoom]);
+    if (!paused && !profile) setZoom(null);
+  }, [paused, profile, setZoom]);
   useMade(chart, { holder, labels, profile, dark, range, zoomTo, draw, showValues }, hidden);
-  useEffect(draw, [draw, zoom, panel.seconds, recorder]);
+  useEffect(draw, [draw, zoom, panel.seconds]);
   useSize(holder, useCallback(() => {
     const place = holder.current;
     if (place && chart.current && place.clientWidth > 0) chart.current.setSize({ width: place.clientWidth, height: place.clientHeight });
@@ -171,5 +106,5 @@ export function useChart(panel: Panel, paused: boolean, onPause: (paused: boolea
     if (zoomed) zoomTo(zoomed);
   };
   const toggle = (label: string) => setHidden(new Set(hidden.has(label) ? [...hidden].filter((one) => one !== label) : [...hidden, label]));
-  return { holder, list, profile, dark, labels, hidden, toggle, zoom, zoomBy, showAll: () => setZoom(null), moveCursor: (step: number) => moveCursor(chart.current, step), state };
+  return { holder, list, profile, dark, labels, hidden, toggle, zoom, zoomBy, showAll: () => setZoom(null), moveCursor: (step: number) => moveCursor(chart.current, step), state: recorded.state };
 }

@@ -1,57 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef, useState, useSyncExternalStore } from 'react';
-import { isMap, type Json } from '../robot/change';
 import { useConnection } from '../robot/hooks';
 import { documentOf, type Source } from './layout';
-
-export interface SampleState {
-  /** Why ports have no samples. */
-  errors: string[];
-  waiting: boolean;
-  skipped: number;
-  /** Seconds from one sample to the next where they are large and therefore read less often; else 0. */
-  period: number;
-}
-
-const ordinaryPeriod = 0.1;
+import { follow, isSameState, noSamples, type SampleState, type Take } from './samples';
 
 /** Calls `take` with each sample of the sources' ports that arrives, outside of rendering; nothing is asked while paused. */
-export function useSamples(sources: Source[], paused: boolean, take: (document: string, time: number, sample: Json) => void): SampleState {
+export function useSamples(sources: Source[], paused: boolean, take: Take): SampleState {
   const connection = useConnection();
   const newest = useRef(take);
   newest.current = take;
-  const [state, setState] = useState<SampleState>({ errors: [], waiting: true, skipped: 0, period: 0 });
+  const [state, setState] = useState<SampleState>(noSamples);
   const names = [...new Set(sources.map(documentOf))].sort().join('\n');
 
   useEffect(() => {
-    if (paused || names === '') return;
-    const documents = names.split('\n');
-    const versions = new Map<string, number>();
-    const read = () => {
-      const next: SampleState = { errors: [], waiting: false, skipped: 0, period: 0 };
-      for (const document of documents) {
-        const shown = connection.shown(document);
-        next.skipped += shown?.skipped ?? 0;
-        if (shown?.error) next.errors.push(document.slice('port/'.length).replace('/', '.') + ': ' + shown.error);
-        if (!shown || !isMap(shown.value)) {
-          next.waiting ||= !shown?.error;
-          continue;
-        }
-        const period = Number(shown.value['period_s'] ?? 0);
-        if (period >= ordinaryPeriod) next.period = Math.max(next.period, period);
-        if (shown.error || versions.get(document) === shown.version) continue;
-        versions.set(document, shown.version);
-        newest.current(document, Number(shown.value['time_s']), shown.value['value'] ?? null);
-      }
-      setState((before) => (JSON.stringify(before) === JSON.stringify(next) ? before : next));
-    };
-    const stops = documents.map((document) => connection.subscribe(document));
-    const unsubscribe = connection.onChange(read);
-    read();
-    return () => {
-      unsubscribe();
-      stops.forEach((stop) => stop());
-    };
+    if (paused || names === '') return undefined;
+    const tell = (next: SampleState) => setState((before) => (isSameState(before, next) ? before : next));
+    return follow(connection, names.split('\n'), (...sample) => newest.current(...sample), tell);
   }, [connection, names, paused]);
   return state;
 }
