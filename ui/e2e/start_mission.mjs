@@ -74,8 +74,13 @@ async function correct(page) {
 /** It runs with what was filled in; a second one is refused, with who commands the robot. */
 async function run(page) {
   const { pane, badge, button } = partsOf(page);
+  await pane.evaluate((place) => {
+    window.reasons = new Set();
+    new MutationObserver(() => window.reasons.add(place.querySelector('[type=submit]')?.parentElement.querySelector('.why-not')?.textContent)).observe(place, { subtree: true, childList: true });
+  });
   await pane.getByRole('button', { name: 'Start', exact: true }).click();
   await badge('running').waitFor();
+  assert.ok(await page.evaluate(() => window.reasons.has('asked; the answer is under way')), 'it cannot be pressed twice, and says why');
   assert.equal(await pane.count(), 0);
   await page.locator('.react-flow__node[data-id="state:watch"] .life-running').waitFor();
   assert.match(status().commanded_by, /segue mission run for segue studio .*browser 1/);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useId, useState, type FormEvent } from 'react';
+import { ActionButton } from '../ActionButton';
 import { ListPane } from '../panes/Panel';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
@@ -143,8 +144,7 @@ function FormOf({ path, form, onBegun, onSimulated }: FormProps) {
       ))}
       {form.inputs.length === 0 && <p className="quiet">It has no inputs.</p>}
       <HowFields how={how} onHow={setHow} />
-      <button type="submit" className="primary" disabled={isAsked}>{how.simulate ? 'Simulate' : 'Start'}</button>
-      {isAsked && <span role="status" className="quiet"> asked …</span>}
+      <ActionButton type="submit" className="primary" whyNot={isAsked ? 'asked; the answer is under way' : ''}>{how.simulate ? 'Simulate' : 'Start'}</ActionButton>
       {refusal && <p className="bad" role="alert">{refusal}</p>}
     </form>
   );
