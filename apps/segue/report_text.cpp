@@ -145,13 +145,32 @@ std::string outcome_text(const Value& result) {
   return actions_text(result) + coloured(done ? Colour::Green : Colour::Red, outcome_line(result)) + '\n';
 }
 
+namespace {
+
+int whole_at(const Value& map, std::string_view key) {
+  return static_cast<int>(number_at(map, key));
+}
+
+/// An error without the finding that it ends with, which is the first of several ("... (and 2 more)").
+std::string without_finding(const std::string& error, const std::string& finding) {
+  const auto at = error.find(finding);
+  if (at == std::string::npos) return error;
+  const std::string before = error.substr(0, at);
+  return before.ends_with(": ") ? before.substr(0, before.size() - 2) : before;
+}
+
+}  // namespace
+
 void print_reasons(const Value& result) {
+  std::string error = printable_at(result, "error");
   for (const Value& item : list_at(result, "diagnostics")) {
-    print_error_line(fmt::format("{}:{}:{}: {}: {}", printable_at(item, "file"), number_at(item, "line"),
-                                 number_at(item, "column"), printable_at(item, "severity"),
-                                 printable_at(item, "message")));
+    const std::string where = to_string(
+        SourceLocation{printable_at(item, "file"), whole_at(item, "line"), whole_at(item, "column")});
+    const std::string prefix = where.empty() ? "" : where + ": ";
+    const std::string message = printable_at(item, "message");
+    print_error_line(prefix + printable_at(item, "severity") + ": " + message);
+    error = without_finding(error, prefix + message);
   }
-  const std::string error = printable_at(result, "error");
   if (!error.empty()) print_error_line("segue: error: " + error);
   const std::string leftover = printable_at(result, "leftover");
   if (!leftover.empty()) print_error_line("segue: warning: " + leftover);

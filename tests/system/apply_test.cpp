@@ -146,7 +146,8 @@ TEST_F(EditedRobot, FilesWithErrorsAreRefusedAndTheOldOnesKept) {
     const auto refused = segue({verb});
     EXPECT_EQ(refused.status, 1) << verb;
     EXPECT_TRUE(contains(refused.errors, "rover/controllers/worse.yaml:2:8: error: ")) << refused.errors;
-    EXPECT_TRUE(contains(refused.errors, "the files cannot be used: ")) << refused.errors;
+    EXPECT_TRUE(contains(refused.errors, "segue: error: the files cannot be used\n")) << refused.errors;
+    EXPECT_EQ(refused.errors.find("worse.yaml"), refused.errors.rfind("worse.yaml")) << refused.errors;
     EXPECT_EQ(json({verb}, 1).find("outcome")->as_string(), "refused");
   }
   remove("rover/controllers/worse.yaml");
@@ -154,6 +155,7 @@ TEST_F(EditedRobot, FilesWithErrorsAreRefusedAndTheOldOnesKept) {
   EXPECT_EQ(unknown.status, 1);
   EXPECT_TRUE(contains(unknown.errors, "rover/controllers/bad.yaml:3:")) << unknown.errors;
   EXPECT_TRUE(contains(unknown.errors, "demo::Nothing")) << unknown.errors;
+  EXPECT_EQ(unknown.errors.find("bad.yaml"), unknown.errors.rfind("bad.yaml")) << unknown.errors;
   EXPECT_EQ(text_of_status("version"), before);
   EXPECT_EQ(text_of_status("loaded_version"), before);
   EXPECT_EQ(speed(), Value(0.4));
