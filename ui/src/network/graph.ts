@@ -2,7 +2,7 @@
 import type { ConnectionStatus, Status, TaskStatus } from '../robot/types';
 
 /** "host / process", as far as there is one. */
-export function placeOf(task: TaskStatus): string {
+export function placeOf(task: Pick<TaskStatus, 'host' | 'process'>): string {
   return [task.host, task.process].filter((part) => part !== '').join(' / ');
 }
 

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useMemo } from 'react';
 import { FoldingGraph } from '../network/FoldingGraph';
-import type { Frame, Presence } from './film';
+import { groupsOf, type Frame, type Presence } from './film';
 
 const looks: Record<Presence, string> = { there: 'there', 'not yet': 'not-there', gone: 'not-there' };
 
 /** The network of a frame, drawn as in the view Network; elements that are not there yet or not any more are faint. */
 export function FrameGraph({ label, frame }: { label: string; frame: Frame }) {
-  const groups = useMemo(
-    () =>
-      [...new Set(frame.tasks.map((task) => task.place))].sort().map((place) => ({ id: 'group:' + place, title: place === '' ? 'runtime' : place })),
-    [frame],
-  );
+  const groups = useMemo(() => groupsOf(frame), [frame]);
   const nodes = useMemo(
     () =>
       frame.tasks.map((task) => ({

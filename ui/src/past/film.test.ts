@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { endsOf, filmOf, frameOf, frameOfNetwork, momentOf, networkOf, phasesOf, taskOfAction, type PastAction, type PastTransition } from './film';
+import { endsOf, filmOf, frameOf, frameOfNetwork, groupsOf, momentOf, networkOf, phasesOf, taskOfAction, type PastAction, type PastTransition } from './film';
 
 function action(label: string, started: number, ended: number, outcome = 'done'): PastAction {
   return {
@@ -59,6 +59,12 @@ describe('a film', () => {
     expect(film.length).toBe(5);
     expect(frameOf(film, 0).tasks.map((one) => [one.id, one.state])).toEqual([['c', 'not known'], ['a', 'not known']]);
     expect(frameOf(film, 5).edges.map((one) => [one.id, one.presence])).toEqual([['a -> b', 'gone'], ['c -> b', 'there']]);
+  });
+
+  it('names processes as the view Network does', () => {
+    const places = [['localhost', 'sensors'], ['base', 'arm'], ['', '']] as const;
+    const tasks = places.map(([host, process], index) => ({ ...task('task' + index), host, process }));
+    expect(groupsOf(frameOfNetwork({ tasks, connections: [] })).map((group) => group.title)).toEqual(['runtime', 'base / arm', 'sensors']);
   });
 
   it('reads labels and networks', () => {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { placeOf, titleOf } from '../network/graph';
 import { isMap, type Json } from '../robot/change';
 import { taskOf } from '../robot/types';
 
@@ -153,9 +154,14 @@ export interface Frame {
 
 const statesAfter: Record<string, string> = { configure: 'stopped', start: 'running', stop: 'stopped', cleanup: 'pre_operational' };
 
-function placeOf(network: PastNetwork | null, id: string): string | undefined {
+function placeIn(network: PastNetwork | null, id: string): string | undefined {
   const task = network?.tasks.find((one) => one.id === id);
-  return task && [task.host, task.process].filter((part) => part !== '').join(' / ');
+  return task && placeOf(task);
+}
+
+/** The boxes around the tasks of a frame, as in the view Network. */
+export function groupsOf(frame: Frame): { id: string; title: string }[] {
+  return [...new Set(frame.tasks.map((task) => task.place))].sort().map((place) => ({ id: 'group:' + place, title: titleOf(place) }));
 }
 
 /** The frame of a network that does not change. */
@@ -166,7 +172,7 @@ export function frameOfNetwork(network: PastNetwork): Frame {
     edges.set(source + ' -> ' + target, { id: source + ' -> ' + target, source, target, fate: 'unchanged', presence: 'there' });
   }
   return {
-    tasks: network.tasks.map((task) => ({ id: task.id, place: placeOf(network, task.id) ?? '', fate: 'unchanged', presence: 'there', state: task.state })),
+    tasks: network.tasks.map((task) => ({ id: task.id, place: placeOf(task), fate: 'unchanged', presence: 'there', state: task.state })),
     edges: [...edges.values()],
   };
 }
@@ -196,7 +202,7 @@ export function frameOf(film: Film, at: number): Frame {
     const state = isOver ? after.get(id)?.state : done.reduce<string | undefined>((now, action) => statesAfter[action.kind] ?? now, before.get(id)?.state);
     tasks.push({
       id,
-      place: placeOf(film.before, id) ?? placeOf(film.after, id) ?? '',
+      place: placeIn(film.before, id) ?? placeIn(film.after, id) ?? '',
       fate: goes ? 'removed' : comes ? 'added' : touched.has(id) ? 'changed' : 'unchanged',
       presence: there ? 'there' : comes && done.length === 0 && !isOver ? 'not yet' : 'gone',
       state: state ?? 'not known',
