@@ -89,6 +89,29 @@ async function inStudio(robotFile, controller, test) {
   });
 }
 
+/** Where the window becomes narrow, a network is laid out and folded anew, also while one of its tasks is selected, which stays in view. */
+async function narrow(page, address, shown) {
+  shown.status = madeNetwork(24, 36, 6);
+  await page.setViewportSize({ width: 1920, height: 1080 });
+  await page.goto('about:blank');
+  await page.goto(address + '#network');
+  await legible(page, 'wide network', { least: 24, all: true });
+  await page.setViewportSize({ width: 760, height: 800 });
+  await legible(page, 'narrow network', { least: 5, all: true });
+  await page.goto('about:blank');
+  await page.setViewportSize({ width: 1920, height: 1080 });
+  await page.goto(address + '#network');
+  const task = page.locator('.task-box', { hasText: 'task' }).first();
+  await task.click();
+  await legible(page, 'wide network with a selection', { least: 24 });
+  const chosen = await page.locator('.react-flow__node', { has: page.locator('.task-box.selected') }).getAttribute('data-id');
+  await page.setViewportSize({ width: 760, height: 800 });
+  await legible(page, 'narrow network with a selection', { least: 5, shown: [chosen], all: true });
+  assert.ok(await page.getByRole('complementary').isVisible());
+  assert.equal(await page.locator('.react-flow__node', { has: page.locator('.task-box.selected') }).getAttribute('data-id'), chosen);
+  await page.setViewportSize(size);
+}
+
 /** Made-up networks and missions, which need no robot. */
 async function seeMade() {
   const shown = { status: null, mission: null };
@@ -101,6 +124,7 @@ async function seeMade() {
     await page.goto(server.address + '#network');
     await legible(page, 'network of ' + count, { least: 5, all: true });
   }
+  await narrow(page, server.address, shown);
   for (const count of [10, 30, 60]) {
     shown.mission = madeMission(count);
     await page.goto('about:blank');

@@ -6,6 +6,7 @@
 import { spawn } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { figure } from './aims.mjs';
+import { addPanel } from './panels.mjs';
 import { Stage } from './stage.mjs';
 
 const [segue, pictures, minutes = '60'] = process.argv.slice(2);
@@ -42,16 +43,9 @@ async function openViews() {
   await first.locator('.react-flow__node[data-id=drive]').click();
   await first.getByRole('button', { name: 'output velocity' }).click();
   const plots = opened.find((one) => one.name === 'Plots').page;
-  await addPlot(plots);
+  await addPanel(plots, { fields: { 'laser.scan': ['ranges'] }, title: 'Scan' });
+  await addPanel(plots, { fields: { 'drive.velocity': ['forward', 'turn'] }, title: 'Speed' });
   return opened;
-}
-
-async function addPlot(page) {
-  await page.getByRole('button', { name: 'Add a panel' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Add a panel' });
-  await dialog.getByRole('button', { name: 'laser.scan' }).click();
-  await dialog.getByLabel('ranges').first().check();
-  await dialog.getByRole('button', { name: 'Add', exact: true }).click();
 }
 
 /** Alternates between two controllers, once a second, until `over`. Counts those that were done. */

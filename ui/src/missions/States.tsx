@@ -27,7 +27,7 @@ interface Props {
   onOpen: (open: Set<string>) => void;
   onToggle: (path: string) => void;
   /** See useLayout(). */
-  onCrowded: () => boolean;
+  onCrowded: (selected: string | null) => boolean;
   /** Followed states are opened and moved into view. */
   follows: boolean;
   onFollows: (follows: boolean) => void;
@@ -113,11 +113,21 @@ export function States(props: Props) {
       <Graph
         label="Graph of states" needsLabels groups={graph.groups} nodes={graph.nodes} edges={graph.edges}
         selected={selected === null ? null : idOf(selected)} onSelect={(id) => onSelect(id === null ? null : pathOf(id))} onToggle={(id) => onToggle(pathOf(id))}
-        onMark={(id) => onBreak(pathOf(id))} markKey="b" follow={follows && followed[0] !== undefined ? idOf(followed[0]) : null} onCrowded={onCrowded}
+        onMark={(id) => onBreak(pathOf(id))} markKey="b" follow={follows && followed[0] !== undefined ? idOf(followed[0]) : null} onCrowded={() => onCrowded(selected)}
         onPeek={peek} tip={tipOf(props)}
       />
     </section>
   );
+}
+
+interface Opened {
+  /** The structure that it is for. */
+  of: string | null;
+  level: number;
+  /** The containers that are open since somebody has opened or closed one; null: nobody has. */
+  paths: Set<string> | null;
+  /** Those around what was selected when others closed. */
+  around: string[];
 }
 
 /**
@@ -126,16 +136,19 @@ export function States(props: Props) {
  */
 export function useOpen(plan: Plan | null, shown: string[]) {
   const structure = plan && JSON.stringify(plan.states.map((state) => state.path));
-  const [kept, setKept] = useState<{ of: string | null; level: number; paths: Set<string> | null }>({ of: null, level: 0, paths: null });
+  const [kept, setKept] = useState<Opened>({ of: null, level: 0, paths: null, around: [] });
   // eslint-disable-next-line react-hooks/exhaustive-deps
   const levels = useMemo(() => (plan ? openLevels(plan) : []), [structure]);
-  const { level, paths } = kept.of === structure ? kept : { level: 0, paths: null };
-  const around = JSON.stringify(openFor(shown));
+  const { level, paths, around: chosen } = kept.of === structure ? kept : { level: 0, paths: null, around: [] };
+  const around = JSON.stringify([...openFor(shown), ...chosen]);
   const atFirst = useMemo(() => new Set([...(levels[level] ?? []), ...(JSON.parse(around) as string[])]), [levels, level, around]);
-  const setOpen = (open: Set<string>) => setKept({ of: structure, level, paths: open });
-  const onCrowded = () => {
-    if (paths !== null || level + 1 >= levels.length) return false;
-    setKept({ of: structure, level: level + 1, paths });
+  const setOpen = (open: Set<string>) => setKept({ of: structure, level, paths: open, around: [] });
+  /** Closes more, but not around the state that is selected; whether it does. */
+  const onCrowded = (selected: string | null) => {
+    const stays = new Set([...openFor(selected === null ? [] : [selected]).filter((path) => atFirst.has(path)), ...chosen]);
+    const next = levels.findIndex((those, index) => index > level && [...atFirst].some((path) => !those.has(path) && !stays.has(path) && !openFor(shown).includes(path)));
+    if (paths !== null || next < 0) return false;
+    setKept({ of: structure, level: next, paths, around: [...stays] });
     return true;
   };
   return { open: paths ?? atFirst, setOpen, onCrowded };

@@ -39,14 +39,17 @@ function useStructure(status: Status): Structure {
 function usePlaces(structure: Structure) {
   const levels = useMemo(() => foldLevels(structure.places.map(({ id, tasks }) => ({ id, size: tasks.length, isInner: !id.startsWith('host:') })), structure.placeOf.size > mostOpen), [structure]);
   const folding = useFolding(structure, levels);
+  const around = (task: string) => {
+    const place = structure.placeOf.get(task);
+    return [place?.id, place?.inside].filter((id) => id !== undefined);
+  };
   return {
     ...folding,
+    around,
     setAll: (folded: boolean) => folding.set(folded, structure.places.map((place) => place.id)),
     /** Unfolds the places around a task, so that it can be seen. */
     reveal: (task: string) => {
-      if (!foldedAround(structure, task, folding.isFolded)) return;
-      const place = structure.placeOf.get(task);
-      folding.set(false, [place?.id, place?.inside].filter((id) => id !== undefined));
+      if (foldedAround(structure, task, folding.isFolded)) folding.set(false, around(task));
     },
   };
 }
@@ -120,7 +123,7 @@ export function NetworkView({ status }: { status: Status }) {
             No task is running; those that do are drawn here, with their connections. Choose a controller in <a href="#switch">Switch</a>, or run <code>segue switch CONTROLLER</code>.
           </p>
         ) : (
-          <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} onCrowded={folding.onCrowded} />
+          <Graph label="Graph of tasks" groups={groups} nodes={nodes} edges={edges} selected={selected} target={target} onSelect={setSelected} onToggle={folding.toggle} onCrowded={() => folding.onCrowded(selected === null ? [] : folding.around(selected))} />
         )}
       </section>
       {selected && <TaskPanel key={selected} id={selected} status={status} flows={flows} onClose={() => setSelected(null)} />}

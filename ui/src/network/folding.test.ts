@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, it } from 'vitest';
-import { foldLevels } from './folding';
+import { foldLevels, levelBehind } from './folding';
 
 const sizes = (...levels: ReadonlySet<string>[]) => levels.map((level) => [...level].sort());
 
@@ -19,4 +19,11 @@ it('nothing folds to less than tells something', () => {
 it('what is known to be large begins folded', () => {
   expect(sizes(...foldLevels([{ id: 'p', size: 200, isInner: true }], true))).toEqual([['p']]);
   expect(sizes(...foldLevels([], true))).toEqual([[]]);
+});
+
+it('the next level folds something that does not stay open', () => {
+  const levels = [[], ['a'], ['a', 'b'], ['a', 'b', 'c']].map((level) => new Set(level));
+  const behind = (at: number, ...stays: string[]) => levelBehind(levels, at, (place) => stays.includes(place));
+  expect([behind(0), behind(1), behind(3)]).toEqual([1, 2, null]);
+  expect([behind(0, 'a'), behind(0, 'a', 'b'), behind(1, 'b', 'c')]).toEqual([2, 3, null]);
 });

@@ -12,6 +12,13 @@ interface Level {
   isTouched: boolean;
 }
 
+/** The next level at which something else is folded, of what does not stay as it is; null: there is none. */
+export function levelBehind(levels: FoldLevels, at: number, stays: (place: string) => boolean): number | null {
+  const now = levels[at] ?? new Set();
+  const found = levels.findIndex((level, index) => index > at && [...level].some((place) => !now.has(place) && !stays(place)));
+  return found < 0 ? null : found;
+}
+
 /**
  * Which boxes are folded: those that somebody has closed and, so that the others can be read, those of the first level at
  * which the graph fits. A new `structure` begins with the first level anew.
@@ -26,10 +33,13 @@ export function useFolding(structure: unknown, levels: FoldLevels) {
     setToggled(new Map([...toggled, ...places.map((place): [string, boolean] => [place, isToBeFolded])]));
     setKept({ ...level, isTouched: true });
   };
-  /** Folds more, as long as nobody has decided otherwise; whether it does. */
-  const onCrowded = () => {
-    if (level.isTouched || level.at + 1 >= levels.length) return false;
-    setKept({ ...level, at: level.at + 1 });
+  /** Folds more, but not what is `around` a selection, as long as nobody has decided otherwise; whether it does. */
+  const onCrowded = (around: string[] = []) => {
+    const stays = new Map([...around.map((place): [string, boolean] => [place, isFolded(place)]), ...toggled]);
+    const at = levelBehind(levels, level.at, (place) => stays.has(place));
+    if (level.isTouched || at === null) return false;
+    setToggled(stays);
+    setKept({ ...level, at });
     return true;
   };
   return { isFolded, set, toggle: (place: string) => set(!isFolded(place), [place]), onCrowded };

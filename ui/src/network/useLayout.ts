@@ -9,18 +9,28 @@ const sameShape = 0.08;
 /** How long, in ms, a pane has had its size before the graph is laid out for it. */
 const restsFor = 150;
 
-/** The size of the pane, when it has come to rest; as it was while it `isHeld`. */
+/** The pane that a layout is for, and the window around it. */
+interface Shape {
+  pane: Size;
+  window: Size;
+}
+
+const differs = (now: Size, before: Size) => [now.width / before.width, now.height / before.height].some((ratio) => Math.abs(ratio - 1) > sameShape);
+
+/** The size of the pane, when it has come to rest. While the graph `isHeld`, only another size of the window counts. */
 function useShape(isHeld: boolean): Size | undefined {
   const width = useStore((store) => store.width);
   const height = useStore((store) => store.height);
-  const [shape, setShape] = useState<Size>();
+  const [shape, setShape] = useState<Shape>();
   useEffect(() => {
-    const differs = (now: number, before: number) => Math.abs(now / before - 1) > sameShape;
-    if (width === 0 || height === 0 || (shape && (isHeld || !(differs(width, shape.width) || differs(height, shape.height))))) return;
-    const timer = setTimeout(() => setShape({ width, height }), shape ? restsFor : 0);
+    if (width === 0 || height === 0) return undefined;
+    const now: Shape = { pane: { width, height }, window: { width: window.innerWidth, height: window.innerHeight } };
+    const part = isHeld ? 'window' : 'pane';
+    if (shape && !differs(now[part], shape[part])) return undefined;
+    const timer = setTimeout(() => setShape(now), shape ? restsFor : 0);
     return () => clearTimeout(timer);
   }, [width, height, shape, isHeld]);
-  return shape;
+  return shape?.pane;
 }
 
 export interface Laying {

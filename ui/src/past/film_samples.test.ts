@@ -17,14 +17,14 @@ describe('the samples of a film', () => {
   });
 
   it('have some from before and after it', () => {
-    expect(windowOf(filmOf(transition))).toEqual([-1, 5]);
+    expect(windowOf(filmOf({ ...transition, lasted_s: 2 }))).toEqual([-1, 3]);
     expect(windowOf(filmOf({ ...transition, lasted_s: 40 }))).toEqual([-10, 50]);
   });
 
   it('have the values of the last samples until a time', () => {
     // Two ports with times of their own; the first one was interrupted.
-    const drawn = { labels: ['a', 'b'], data: [[0, 1, 2, 3], [5, undefined, null, undefined], [undefined, 7, undefined, 8]] as [number[], ...(number | null | undefined)[][]] };
-    expect([-1, 0, 1.5, 2.5, 9].map((at) => valuesAt(drawn, at))).toEqual([[null, null], [5, null], [5, 7], [null, 7], [null, 8]]);
+    const drawn = { labels: ['a', 'b'], data: [[0, 1, 2, 3], [0, undefined, null, undefined], [undefined, 7, undefined, 8]] as [number[], ...(number | null | undefined)[][]] };
+    expect([-1, 0, 1.5, 2.5, 9].map((at) => valuesAt(drawn, at))).toEqual([[null, null], [0, null], [0, 7], [null, 7], [null, 8]]);
   });
 
   it('are zoomed around the moment of the film', () => {
