@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { isMap, type Json } from '../robot/change';
-import type { Connection } from '../robot/connection';
+import type { Connection, Shown } from '../robot/connection';
 
 export interface SampleState {
   /** Why ports have no samples. */
@@ -24,10 +24,14 @@ const ordinaryPeriod = 0.1;
 /** Calls `take` with each sample of these documents that arrives, and `tell` with how they are, until the function that is returned is called. */
 export function follow(samples: Samples, documents: string[], take: Take, tell: (state: SampleState) => void): () => void {
   const versions = new Map<string, number>();
+  let before: (Shown | undefined)[] | null = null;
   const read = () => {
+    const now = documents.map((document) => samples.shown(document));
+    if (before?.every((one, index) => one === now[index])) return; // another document has changed
+    before = now;
     const next: SampleState = { ...noSamples, errors: [], waiting: false };
-    for (const document of documents) {
-      const shown = samples.shown(document);
+    for (const [index, document] of documents.entries()) {
+      const shown = now[index];
       next.skipped += shown?.skipped ?? 0;
       if (shown?.error) next.errors.push(document.slice('port/'.length).replace('/', '.') + ': ' + shown.error);
       if (!shown || !isMap(shown.value)) {
