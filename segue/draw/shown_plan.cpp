@@ -58,6 +58,22 @@ Value flows_of(const State& container, const std::string& path) {
   return flows;
 }
 
+/// The units of the robot that an execution takes when it begins.
+Value units_of(const Program& program, mission::StateIndex state) {
+  Value::List units;
+  const mission::Action* declared = program.declared(state);
+  if (declared == nullptr) return units;
+  for (const mission::ResourceUse& use : declared->resources) {
+    using enum mission::ResourceOperation;
+    const auto& all = program.mission().resources;
+    const auto resource = std::ranges::find(all, use.resource, &mission::Resource::name);
+    if (resource == all.end() || !resource->of_robot) continue;
+    if (use.operation == Block || use.operation == Consume || use.operation == Delete)
+      units.push_back(Value::map({{"name", use.resource}, {"count", use.count}}));
+  }
+  return units;
+}
+
 Value state_value(const Program& program, const Placed& placed) {
   const State& state = program.state(placed.state);
   const State& content = program.state(content_of(program, placed.state));
@@ -72,6 +88,8 @@ Value state_value(const Program& program, const Placed& placed) {
     map.append("start", below(placed.path, content.start->state.str()));
   map.append("next", transitions_of(state, placed));
   if (mission::is_container(content.kind)) map.append("flows", flows_of(content, placed.path));
+  if (Value units = units_of(program, content_of(program, placed.state)); !units.as_list().empty())
+    map.append("units", std::move(units));
   return map;
 }
 

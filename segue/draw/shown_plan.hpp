@@ -15,7 +15,8 @@ inline constexpr std::size_t kMostShownStates = 5000;
 /// were written where they are used; each
 /// {"path" ("": the mission), "in" (the path of its container; none: the mission), "title", "kind", "action",
 /// "library", "start" (a path), "next": a list of {"outcome", and "to" (a path) or "returns" (an outcome of
-/// its container)}, "flows": of containers, a list of {"from", "to" (paths), "what"}}. "nodes": of
+/// its container)}, "flows": of containers, a list of {"from", "to" (paths), "what"}, "units": which units of
+/// the robot it takes when it begins, a list of {"name", "count"}; absent where it takes none}. "nodes": of
 /// `concurrent`, null without it: in program order, each {"name", "in", "role", "after": what it waits for,
 /// as far as it is not implied: a list of {"node" (its position), "kind",
 /// "subject" (of a condition: the outcome that leads here), "because", "holds_start"}, "units": of which

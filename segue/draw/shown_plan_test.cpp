@@ -92,6 +92,22 @@ states: {dock: {on: {success: return success}}}
             R"([{"resource":"arm","observed":false},{"resource":"localized","observed":true}])");
 }
 
+TEST(ShownPlan, SaysWhichUnitsOfTheRobotStatesTake) {
+  const auto program = mission::Program::compile(mission_of(R"j(mission: build
+resources: {screws: {of: robot}, boxes: {of: robot}}
+actions:
+  mount: {resources: [{consume: screws, count: 3}, {exists: boxes}, {block: arm}, {block: boxes}], run: {simulated: {duration: 1s}}}
+  make: {resources: [{create: boxes}], run: {simulated: {duration: 1s}}}
+start: mount
+states: {mount: {on: {success: make}}, make: {on: {success: return success}}}
+)j"))
+                           .value();
+  const Value plan = shown_plan(*program, nullptr);
+  EXPECT_EQ(type::to_json(at(plan, "states", 1, "units"), -1),
+            R"([{"name":"screws","count":3},{"name":"boxes","count":1}])");
+  EXPECT_EQ(plan.find("states")->as_list().at(2).find("units"), nullptr);
+}
+
 TEST(ShownPlan, IsBounded) {
   std::string text = "mission: many\nactions: {a: {}}\nkind: barrier\nstates:\n";
   for (std::size_t i = 0; i < kMostShownStates; ++i)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Starts missions of a real robot from the page, and opens past runs. Status 77: there is no browser.
 //   node start_mission.mjs SEGUE SCREENSHOT_FOLDER
-import { writeFileSync } from 'node:fs';
+import { appendFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import assert from 'node:assert/strict';
 import { end, Stage } from './stage.mjs';
@@ -11,6 +11,7 @@ const stage = new Stage(...process.argv.slice(2));
 /** Looks around, and then watches for longer than anybody waits. */
 const watch = `mission: watch
 description: Looks around, and then watches the place.
+resources: {cameras: {of: robot, count: 3}}
 inputs:
   place: {type: text, default: the door}
   rounds: {type: int, default: 2}
@@ -19,7 +20,7 @@ inputs:
   quiet: {type: bool, default: false}
 actions:
   look: {inputs: {rounds: int}, run: {simulated: {duration: 50ms}}}
-  watch: {inputs: {place: text}, run: {simulated: {duration: 10min}}}
+  watch: {inputs: {place: text}, resources: [{block: cameras, count: 2}], run: {simulated: {duration: 10min}}}
 start: look
 flows: [inputs.rounds -> look.rounds, inputs.place -> watch.place]
 states:
@@ -88,6 +89,10 @@ async function run(page) {
   await page.locator('[data-port=place]').getByText('"gate: 7"').waitFor();
   await stage.capture(page, 'start_runs');
   await page.keyboard.press('Escape');
+  await page.getByRole('link', { name: 'Network' }).click();
+  await page.getByText('units: cameras 3 (held: 2 by watch: watch)').waitFor();
+  await stage.capture(page, 'units_held');
+  await page.getByRole('link', { name: 'Missions' }).click();
   await button('Start a mission').click();
   await pane.getByLabel('Mission', { exact: true }).selectOption('watch.yaml');
   await pane.getByRole('button', { name: 'Start', exact: true }).click();
@@ -161,6 +166,7 @@ async function observe() {
 
 await stage.play(async () => {
   stage.run(['init', 'rover']);
+  appendFileSync(join(stage.folder, 'rover/robot.yaml'), 'units: {cameras: 3}\n');
   writeFileSync(join(stage.folder, 'rover', 'watch.yaml'), watch);
   writeFileSync(join(stage.folder, 'rover', 'broken.yaml'), 'mission: broken\nstart: nowhere\nstates: {}\n');
   await stage.start(['run', 'rover/robot.yaml', '--controller', 'explore'], /robot rover runs/);

@@ -12,6 +12,8 @@ export interface PlanState {
   start?: string;
   next: { outcome: string; to?: string; returns?: string }[];
   flows?: { from: string; to: string; what: string }[];
+  /** The units of the robot that it takes when it begins. */
+  units?: { name: string; count: number }[];
 }
 
 export interface PlanNode {
@@ -64,7 +66,8 @@ const isText = (value: Json | undefined): value is string => typeof value === 's
 
 function isState(value: Json): boolean {
   if (!isMap(value)) return false;
-  const { path, title, kind, next, flows } = value;
+  const { path, title, kind, next, flows, units } = value;
+  if (units !== undefined && !(Array.isArray(units) && units.every((one) => isMap(one) && isText(one['name']) && typeof one['count'] === 'number'))) return false;
   const hasFlows = flows === undefined || (Array.isArray(flows) && flows.every((one) => isMap(one) && isText(one['from']) && isText(one['to']) && isText(one['what'])));
   return isText(path) && isText(title) && isText(kind) && Array.isArray(next) && next.every(isMap) && hasFlows;
 }
