@@ -64,11 +64,11 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
     offered.lifespan = *lifespan_;
     auto writer = participant().make_writer(topic_name(), offered, user_data(), this);
     if (!writer) {
-      close();
+      leave();
       return writer.error();
     }
     writer_ = std::move(*writer);
-    announce(gid_of(writer_->guid()));
+    watch(gid_of(writer_->guid()));
     in_.emplace(*this, "in", &type(), std::string(),
                 PortOptions{.dynamic = true, .doc = "samples to publish", .flat = true});
     return {};
@@ -85,10 +85,10 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
   }
 
   void on_cleanup() override {
-    withdraw();
+    stop_watching();
     writer_.reset();
     in_.reset();
-    close();
+    leave();
   }
 
  private:

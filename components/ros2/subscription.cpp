@@ -50,11 +50,11 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
     auto reader = participant().make_reader(topic_name(), quality(), user_data(), this);
     if (!reader) {
       out_.reset();
-      close();
+      leave();
       return reader.error();
     }
     reader_ = std::move(*reader);
-    announce(gid_of(reader_->guid()));
+    watch(gid_of(reader_->guid()));
     return {};
   }
 
@@ -75,14 +75,14 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   }
 
   void on_cleanup() override {
-    withdraw();
+    stop_watching();
     reader_.reset();
     {
       const segue::Lock lock(mutex_);
       waiting_.clear();
     }
     out_.reset();
-    close();
+    leave();
   }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "participant.hpp"
+#include "node_task.hpp"
 #include "types.hpp"
 
 #include <segue/base/mutex.hpp>
@@ -21,7 +21,7 @@
 namespace ros2 {
 
 /// The base of Publisher and Subscription.
-class TopicEndpoint : public segue::task::Component {
+class TopicEndpoint : public NodeTask {
  protected:
   /// `direction` of the one dynamic port, named `port`.
   TopicEndpoint(segue::task::Direction direction, const std::string& port,
@@ -29,18 +29,15 @@ class TopicEndpoint : public segue::task::Component {
 
   /// Reads the properties and joins ROS 2. Enters Exception where Fast DDS cannot start.
   segue::Result<void> open();
-  /// Tells others of the node of this task, of which the endpoint is part.
-  void announce(const segue::ros2::Gid& endpoint);
-  /// Undoes announce() and open(); the endpoint must have been deleted after withdraw().
-  void withdraw();
-  void close();
+  /// Tells others of the endpoint, and watches for those that do not match.
+  void watch(const segue::ros2::Gid& endpoint);
+  void stop_watching();
 
   [[nodiscard]] const segue::type::TypeInfo& type() const { return *type_; }
   [[nodiscard]] const segue::ros2::Quality& quality() const { return own_.quality; }
   [[nodiscard]] TopicName topic_name() const { return {own_.topic, own_.type}; }
   /// Of the endpoint: the hash of its type.
   [[nodiscard]] std::string user_data() const { return "typehash=" + own_.type_hash + ";"; }
-  Participant& participant() { return *participant_; }
   /// Of texts and sequences of the message.
   [[nodiscard]] const segue::ros2::MessageBounds& bounds() const { return bounds_; }
   void set_matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(std::max(count, 0)); }
@@ -54,8 +51,6 @@ class TopicEndpoint : public segue::task::Component {
  private:
   segue::Result<segue::ros2::Quality> wanted_quality() const;
   segue::Result<void> find_type();
-  segue::Result<Settings> wanted_settings() const;
-  segue::Result<void> name_node();
   std::vector<segue::ros2::Mismatch> mismatches() const;
   std::vector<std::string> mismatch_texts() const;
   /// Logs each mismatch that is new and has its name. In threads of Fast DDS.
@@ -64,8 +59,6 @@ class TopicEndpoint : public segue::task::Component {
   segue::task::Property<std::string> topic_text_{*this, "topic", {}, {.doc = "name of the topic: /scan"}};
   segue::task::Property<std::string> type_text_{
       *this, "type", {}, {.doc = "its interface: sensor_msgs/msg/LaserScan"}};
-  segue::task::Property<std::vector<std::string>> interfaces_{
-      *this, "interfaces", {}, {.doc = "folders with interface packages, before those that are built in"}};
   segue::task::Property<std::string> reliability_{
       *this, "reliability", "reliable", {.doc = "reliable or best_effort"}};
   segue::task::Property<std::string> durability_{
@@ -78,16 +71,6 @@ class TopicEndpoint : public segue::task::Component {
       *this, "liveliness", "automatic", {.doc = "automatic or manual_by_topic"}};
   segue::task::Property<std::chrono::nanoseconds> lease_{
       *this, "lease", {}, {.doc = "the longest time without a sign of life; 0: any"}};
-  segue::task::Property<std::int32_t> domain_{
-      *this, "domain", -1, {.doc = "domain of ROS 2, 0 to 232; -1: $ROS_DOMAIN_ID, or 0"}};
-  segue::task::Property<std::string> discovery_{
-      *this,
-      "discovery",
-      "",
-      {.doc = "localhost or subnet; empty: as $ROS_AUTOMATIC_DISCOVERY_RANGE or "
-              "$ROS_LOCALHOST_ONLY say, else subnet"}};
-  segue::task::Property<std::string> node_text_{
-      *this, "node", {}, {.doc = "name of the node that others see: /robot/scan; empty: that of the task"}};
   segue::task::Operation<std::vector<std::string>()> mismatches_{
       *this,
       "mismatches",
@@ -100,12 +83,9 @@ class TopicEndpoint : public segue::task::Component {
   std::atomic<std::uint64_t> missed_{0};
   const segue::type::TypeInfo* type_ = nullptr;
   segue::ros2::MessageBounds bounds_;
-  segue::ros2::NodeEntities node_;
-  mutable segue::Mutex shared_mutex_;  ///< what other threads look at
-  std::shared_ptr<Participant> shared_participant_ SEGUE_GUARDED_BY(shared_mutex_);
-  std::vector<std::string> said_ SEGUE_GUARDED_BY(shared_mutex_);
+  segue::Mutex said_mutex_;
+  std::vector<std::string> said_ SEGUE_GUARDED_BY(said_mutex_);
   segue::ros2::Endpoint own_;  ///< changed only while nobody watches
-  std::shared_ptr<Participant> participant_;
 };
 
 }  // namespace ros2

@@ -13,6 +13,20 @@ namespace {
 constexpr std::string_view kTopicPrefix = "rt/";
 constexpr std::string_view kTypeSpace = "dds_::";
 
+Result<std::string> dds_name(std::string_view prefix, std::string_view what, std::string_view name,
+                             std::string_view suffix) {
+  std::string_view rest = name;
+  if (rest.starts_with('/')) rest.remove_prefix(1);
+  if (rest.empty() || !std::ranges::all_of(split(rest, '/'), is_topic_token)) {
+    return fail(
+        ErrorCode::InvalidArgument,
+        quote(name) + " is not a valid name of a " + std::string(what) +
+            ": expected letters, digits and '_', with '/' between its parts, of which none begins with a "
+            "digit");
+  }
+  return std::string(prefix).append(rest).append(suffix);
+}
+
 }  // namespace
 
 std::string dds_type_name(std::string_view interface_name) {
@@ -38,15 +52,15 @@ std::string interface_of_dds_type(std::string_view dds_type) {
 }
 
 Result<std::string> dds_topic_name(std::string_view topic) {
-  std::string_view name = topic;
-  if (name.starts_with('/')) name.remove_prefix(1);
-  if (name.empty() || !std::ranges::all_of(split(name, '/'), is_topic_token)) {
-    return fail(ErrorCode::InvalidArgument,
-                quote(topic) +
-                    " is not a valid name of a topic: expected letters, digits and '_', with '/' "
-                    "between its parts, of which none begins with a digit");
-  }
-  return std::string(kTopicPrefix).append(name);
+  return dds_name(kTopicPrefix, "topic", topic, "");
+}
+
+Result<std::string> dds_request_name(std::string_view service) {
+  return dds_name("rq/", "service", service, "Request");
+}
+
+Result<std::string> dds_response_name(std::string_view service) {
+  return dds_name("rr/", "service", service, "Reply");
 }
 
 std::string topic_of_dds_name(std::string_view dds_topic) {

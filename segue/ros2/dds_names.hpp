@@ -17,6 +17,10 @@ std::string interface_of_dds_type(std::string_view dds_type);
 /// "rt/a/chatter" for the topic "/a/chatter" or "a/chatter". InvalidArgument where it is not a name of
 /// letters, digits and '_' with '/' between its parts, of which none begins with a digit.
 Result<std::string> dds_topic_name(std::string_view topic);
+/// The topics of a service's requests and responses: "rq/a/addRequest" and "rr/a/addReply" for "/a/add".
+/// InvalidArgument as for topics.
+Result<std::string> dds_request_name(std::string_view service);
+Result<std::string> dds_response_name(std::string_view service);
 /// The inverse of dds_topic_name(); a name that is not one of ROS 2's as it is.
 std::string topic_of_dds_name(std::string_view dds_topic);
 
