@@ -72,9 +72,9 @@ segue_package(components segue-components "components of robots for Segue"
 a simulated rover, connections between computers, and those of the robot that
 segue init makes."
   PACKAGE_DEPENDS "segue ${same}")
-segue_package(ros2 segue-ros2 "topics of ROS 2 as tasks of Segue"
-  "This package has components that publish and subscribe to topics of ROS 2. An
-installation of ROS 2 is not needed."
+segue_package(ros2 segue-ros2 "topics and services of ROS 2 as tasks of Segue"
+  "This package has components that publish and subscribe to topics of ROS 2, and
+call its services. An installation of ROS 2 is not needed."
   PACKAGE_DEPENDS "segue ${same}")
 segue_package(examples segue-examples "examples of robots, components and missions for Segue"
   "This package has robots and programs to read and to try, each explained."

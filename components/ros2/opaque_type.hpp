@@ -3,6 +3,7 @@
 
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <span>
@@ -19,6 +20,20 @@ class MessageSource {
 
  protected:
   ~MessageSource() = default;
+};
+
+/// Bytes that are there already, and stay as long as this.
+class BytesSource final : public MessageSource {
+ public:
+  explicit BytesSource(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  [[nodiscard]] std::size_t size() const noexcept override { return bytes_.size(); }
+  bool write(std::span<std::byte> bytes) const noexcept override {
+    std::ranges::copy(bytes_, bytes.begin());
+    return true;
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
 };
 
 /// Where the bytes of a message go, in the thread that takes it.

@@ -101,19 +101,6 @@ class EntitiesSink final : public MessageSink {
   std::optional<segue::ros2::ParticipantEntities> entities;
 };
 
-class BytesSource final : public MessageSource {
- public:
-  explicit BytesSource(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
-  [[nodiscard]] std::size_t size() const noexcept override { return bytes_.size(); }
-  bool write(std::span<std::byte> bytes) const noexcept override {
-    std::ranges::copy(bytes_, bytes.begin());
-    return true;
-  }
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
 }  // namespace
 
 /// Reads which nodes other participants have.
@@ -282,7 +269,8 @@ void Participant::withdraw(const segue::ros2::NodeEntities& node) {
 }
 
 void Participant::publish_nodes() {
-  BytesSource message(segue::ros2::encode(own_));
+  const auto bytes = segue::ros2::encode(own_);
+  BytesSource message(bytes);
   nodes_writer_->write(static_cast<MessageSource*>(&message));
 }
 

@@ -25,6 +25,13 @@ struct TopicOf {
   segue::ros2::Quality quality{};
 };
 
+/// A request as a server of ROS 2 gets it.
+struct Request {
+  Bytes message;  ///< its CDR, with the header
+  segue::ros2::Gid client{};
+  std::int64_t number = 0;
+};
+
 class Peer {
  public:
   Peer() = default;
@@ -40,6 +47,12 @@ class Peer {
   virtual void publish(const Bytes& message) = 0;
   /// The messages that have come since the last call.
   virtual std::vector<Bytes> take() = 0;
+  /// Offers a service ("/add", "std_srvs/srv/SetBool"), one at a time; the earlier one leaves.
+  virtual void serve(const std::string& service, const std::string& interface) = 0;
+  virtual void stop_serving() = 0;
+  /// The requests that have come since the last call.
+  virtual std::vector<Request> requests() = 0;
+  virtual void respond(const Request& request, const Bytes& response) = 0;
   /// The nodes of other participants, as each has said last.
   virtual std::vector<segue::ros2::ParticipantEntities> others() = 0;
   /// Subscriptions to what it publishes, and publishers of what it subscribes to.

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <string>
 #include <utility>
@@ -123,6 +124,7 @@ class CyclonePeer final : public Peer {
   ~CyclonePeer() override {
     out_.reset();
     in_.reset();
+    stop_serving();
     entities_out_.reset();
     entities_in_.reset();
     ::dds_delete(participant_);
@@ -146,6 +148,40 @@ class CyclonePeer final : public Peer {
   }
   void publish(const Bytes& message) override { out_->write(message); }
   std::vector<Bytes> take() override { return in_->take(); }
+  void serve(const std::string& service, const std::string& interface) override {
+    stop_serving();
+    const std::string server = "serviceid=1.2.3.4.5.6.7.8.9.a.b.c.d.e.f.10;";
+    requests_ = make(false, {}, segue::ros2::dds_request_name(service).value(),
+                     segue::ros2::dds_type_name(interface + "_Request"), server);
+    responses_ = make(true, {}, segue::ros2::dds_response_name(service).value(),
+                      segue::ros2::dds_type_name(interface + "_Response"), server);
+  }
+  void stop_serving() override {
+    requests_.reset();
+    responses_.reset();
+  }
+  /// After the header of the CDR, a request has eight bytes for the client and eight for its number.
+  std::vector<Request> requests() override {
+    std::vector<Request> all;
+    for (const Bytes& bytes : requests_->take()) {
+      if (bytes.size() < 20) continue;
+      Request request;
+      request.message.assign(bytes.begin(), bytes.begin() + 4);
+      request.message.insert(request.message.end(), bytes.begin() + 20, bytes.end());
+      std::memcpy(request.client.data(), &bytes[4], 8);
+      std::memcpy(&request.number, &bytes[12], 8);
+      all.push_back(std::move(request));
+    }
+    return all;
+  }
+  void respond(const Request& request, const Bytes& response) override {
+    Bytes bytes(20);
+    std::copy_n(response.begin(), 4, bytes.begin());
+    std::memcpy(&bytes[4], request.client.data(), 8);
+    std::memcpy(&bytes[12], &request.number, 8);
+    bytes.insert(bytes.end(), response.begin() + 4, response.end());
+    responses_->write(bytes);
+  }
   std::vector<ParticipantEntities> others() override {
     for (const Bytes& message : entities_in_->take()) {
       const auto entities = segue::ros2::decode_participant_entities(message);
@@ -182,10 +218,12 @@ class CyclonePeer final : public Peer {
 
  private:
   [[nodiscard]] std::unique_ptr<Channel> make(bool publishes, const TopicOf& topic, const std::string& name,
-                                              const std::string& type) const {
+                                              const std::string& type,
+                                              const std::string& more_user_data = "") const {
     auto channel = std::make_unique<Channel>(participant_, name, type);
     dds_qos_t* quality =
-        quality_of(topic.quality, topic.hash.empty() ? std::string() : "typehash=" + topic.hash + ";");
+        quality_of(topic.quality,
+                   more_user_data + (topic.hash.empty() ? std::string() : "typehash=" + topic.hash + ";"));
     channel->entity = publishes
                           ? ::dds_create_writer(participant_, channel->topic.entity(), quality, nullptr)
                           : ::dds_create_reader(participant_, channel->topic.entity(), quality, nullptr);
@@ -199,6 +237,8 @@ class CyclonePeer final : public Peer {
   std::unique_ptr<Channel> entities_in_;
   std::unique_ptr<Channel> out_;
   std::unique_ptr<Channel> in_;
+  std::unique_ptr<Channel> requests_;
+  std::unique_ptr<Channel> responses_;
   std::map<Gid, ParticipantEntities> others_;
 };
 

@@ -170,6 +170,46 @@ class FastPeer final : public Peer {
     if (!out_->write(&bytes)) std::fprintf(stderr, "the peer cannot write\n");
   }
   std::vector<Bytes> take() override { return take(in_); }
+  void serve(const std::string& service, const std::string& interface) override {
+    stop_serving();
+    requests_ = subscriber_->create_datareader(topic(segue::ros2::dds_request_name(service).value(),
+                                                     segue::ros2::dds_type_name(interface + "_Request")),
+                                               quality_of<edds::DataReaderQos>({}, ""));
+    responses_ = publisher_->create_datawriter(topic(segue::ros2::dds_response_name(service).value(),
+                                                     segue::ros2::dds_type_name(interface + "_Response")),
+                                               quality_of<edds::DataWriterQos>({}, ""));
+  }
+  void stop_serving() override {
+    if (requests_ != nullptr) subscriber_->delete_datareader(requests_);
+    if (responses_ != nullptr) publisher_->delete_datawriter(responses_);
+    requests_ = nullptr;
+    responses_ = nullptr;
+  }
+  /// Beside the message stands the reader of the client, and the number of the request in its writer.
+  std::vector<Request> requests() override {
+    std::vector<Request> all;
+    Bytes message;
+    edds::SampleInfo info;
+    while (requests_->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      all.push_back({message, gid_of(info.related_sample_identity.writer_guid()),
+                     static_cast<std::int64_t>(info.sample_identity.sequence_number().to64long())});
+    }
+    return all;
+  }
+  void respond(const Request& request, const Bytes& response) override {
+    ertps::GUID_t client;
+    std::memcpy(client.guidPrefix.value, request.client.data(), ertps::GuidPrefix_t::size);
+    std::memcpy(client.entityId.value, request.client.data() + ertps::GuidPrefix_t::size,
+                ertps::EntityId_t::size);
+    ertps::SampleIdentity identity;
+    identity.writer_guid(client);
+    identity.sequence_number(ertps::SequenceNumber_t(static_cast<std::uint64_t>(request.number)));
+    ertps::WriteParams parameters;
+    parameters.related_sample_identity(identity);
+    Bytes bytes = response;
+    if (!responses_->write(&bytes, parameters)) std::fprintf(stderr, "the peer cannot respond\n");
+  }
   std::vector<ParticipantEntities> others() override {
     for (const Bytes& message : take(entities_in_)) {
       const auto entities = segue::ros2::decode_participant_entities(message);
@@ -222,6 +262,8 @@ class FastPeer final : public Peer {
   edds::DataReader* entities_in_ = nullptr;
   edds::DataWriter* out_ = nullptr;
   edds::DataReader* in_ = nullptr;
+  edds::DataReader* requests_ = nullptr;
+  edds::DataWriter* responses_ = nullptr;
   std::string subscribed_;
   std::map<std::string, edds::Topic*> topics_;
   std::map<Gid, ParticipantEntities> others_;

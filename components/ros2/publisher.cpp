@@ -24,9 +24,8 @@ class AnyInput final : public InputPortBase {
 /// message.
 class SampleSource final : public MessageSource {
  public:
-  SampleSource(const segue::type::TypeInfo& type, const segue::ros2::MessageBounds& bounds,
-               const SampleSlot& sample)
-      : type_(type), bounds_(bounds), sample_(sample), size_(encoded_size()) {}
+  SampleSource(const segue::ros2::MessageCodec& message, const SampleSlot& sample)
+      : type_(message.info()), bounds_(message.bounds()), sample_(sample), size_(encoded_size()) {}
   [[nodiscard]] std::size_t size() const noexcept override { return size_; }
   bool write(std::span<std::byte> bytes) const noexcept override {
     return encode(bytes) && (!bounds_.any() || bounds_.kept_by(bytes));
@@ -69,7 +68,7 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
     }
     writer_ = std::move(*writer);
     watch(gid_of(writer_->guid()));
-    in_.emplace(*this, "in", &type(), std::string(),
+    in_.emplace(*this, "in", &codec().info(), std::string(),
                 PortOptions{.dynamic = true, .doc = "samples to publish", .flat = true});
     return {};
   }
@@ -93,7 +92,7 @@ class Publisher final : public TopicEndpoint, private dds::DataWriterListener {
 
  private:
   void send(const SampleSlot& sample) {
-    SampleSource source(type(), bounds(), sample);
+    SampleSource source(codec(), sample);
     if (sample.value == nullptr || source.size() == 0 ||
         !writer_->write(static_cast<MessageSource*>(&source))) {
       ++counts_.refused;

@@ -45,7 +45,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   segue::Result<void> on_configure() override {
     if (auto opened = open(); !opened) return opened;
     reset_counts();
-    out_.emplace(*this, "out", &type(), std::string(),
+    out_.emplace(*this, "out", &codec().info(), std::string(),
                  PortOptions{.dynamic = true, .doc = "samples as they arrive", .flat = true});
     auto reader = participant().make_reader(topic_name(), quality(), user_data(), this);
     if (!reader) {
@@ -140,15 +140,16 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
       if (!slot) ++counts_.lost;
       return slot;
     }
-    const std::size_t size = segue::type::flat_size_of_cdr(type(), message);
+    const std::size_t size = segue::type::flat_size_of_cdr(codec().info(), message);
     if (size > 0) return SampleRef::adopt(out_->acquire_flat(size));
     ++counts_.corrupt;
     return {};
   }
 
   bool decode(std::span<const std::byte> message, SampleSlot& slot) const {
-    if (slot.flat_size == 0) return segue::type::read_cdr(type(), slot.value, message);
-    return segue::type::cdr_to_flat(type(), message, {static_cast<std::byte*>(slot.value), slot.flat_size});
+    if (slot.flat_size == 0) return segue::type::read_cdr(codec().info(), slot.value, message);
+    return segue::type::cdr_to_flat(codec().info(), message,
+                                    {static_cast<std::byte*>(slot.value), slot.flat_size});
   }
 
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {

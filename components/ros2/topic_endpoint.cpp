@@ -4,11 +4,6 @@
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
-#include <segue/ros2/interface_library.hpp>
-#include <segue/ros2/message_type.hpp>
-#include <segue/ros2/type_hash.hpp>
-#include <segue/type/made_type.hpp>
-#include <segue/type/type.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -41,34 +36,19 @@ segue::Result<segue::ros2::Quality> TopicEndpoint::wanted_quality() const {
   return segue::ros2::Quality{*reliability, *durability, *depth_, *deadline_, {}, *liveliness, *lease_};
 }
 
-segue::Result<void> TopicEndpoint::find_type() {
-  segue::ros2::InterfaceLibrary library = this->library();
-  auto hash = segue::ros2::type_hash(library, *type_text_);
-  if (!hash) return hash.error();
-  segue::type::TypeRegistry registry;
-  auto type = segue::ros2::message_type(library, *type_text_, registry);
-  if (!type) return type.error();
-  auto defaults = segue::ros2::message_defaults(library, *type_text_);
-  if (!defaults) return defaults.error();
-  auto info = segue::type::make_type_info(**type, *defaults);
-  if (!info) return info.error();
-  auto bounds = segue::ros2::MessageBounds::of(library, *type_text_);
-  if (!bounds) return bounds.error();
-  type_ = *info;
-  bounds_ = std::move(*bounds);
-  own_.type_hash = *hash;
-  own_.type = segue::ros2::dds_type_name(to_string(*segue::ros2::parse_interface_name(*type_text_)));
-  return {};
-}
-
 segue::Result<void> TopicEndpoint::open() {
   auto quality = wanted_quality();
   if (!quality) return quality.error();
   auto topic = segue::ros2::dds_topic_name(*topic_text_);
   if (!topic) return topic.error();
-  if (auto found = find_type(); !found) return found;
+  segue::ros2::InterfaceLibrary interfaces = library();
+  auto message = segue::ros2::MessageCodec::of(interfaces, *type_text_);
+  if (!message) return message.error();
   if (auto joined = join(); !joined) return joined;
   own_.topic = *topic;
+  own_.type = message->dds_type();
+  own_.type_hash = message->type_hash();
+  codec_ = std::move(*message);
   own_.quality = *quality;
   matched_ = 0;
   missed_ = 0;

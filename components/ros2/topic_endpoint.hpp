@@ -5,15 +5,14 @@
 #include "types.hpp"
 
 #include <segue/base/mutex.hpp>
-#include <segue/ros2/message_bounds.hpp>
+#include <segue/ros2/message_codec.hpp>
 #include <segue/task/component.hpp>
-#include <segue/type/type_info.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,13 +32,11 @@ class TopicEndpoint : public NodeTask {
   void watch(const segue::ros2::Gid& endpoint);
   void stop_watching();
 
-  [[nodiscard]] const segue::type::TypeInfo& type() const { return *type_; }
+  [[nodiscard]] const segue::ros2::MessageCodec& codec() const { return *codec_; }
   [[nodiscard]] const segue::ros2::Quality& quality() const { return own_.quality; }
   [[nodiscard]] TopicName topic_name() const { return {own_.topic, own_.type}; }
   /// Of the endpoint: the hash of its type.
   [[nodiscard]] std::string user_data() const { return "typehash=" + own_.type_hash + ";"; }
-  /// Of texts and sequences of the message.
-  [[nodiscard]] const segue::ros2::MessageBounds& bounds() const { return bounds_; }
   void set_matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(std::max(count, 0)); }
   [[nodiscard]] std::uint32_t matched() const { return matched_; }
   /// Counts and logs that a deadline was missed or that liveliness was lost. In threads of Fast DDS.
@@ -50,7 +47,6 @@ class TopicEndpoint : public NodeTask {
 
  private:
   segue::Result<segue::ros2::Quality> wanted_quality() const;
-  segue::Result<void> find_type();
   std::vector<segue::ros2::Mismatch> mismatches() const;
   std::vector<std::string> mismatch_texts() const;
   /// Logs each mismatch that is new and has its name. In threads of Fast DDS.
@@ -81,8 +77,7 @@ class TopicEndpoint : public NodeTask {
 
   std::atomic<std::uint32_t> matched_{0};
   std::atomic<std::uint64_t> missed_{0};
-  const segue::type::TypeInfo* type_ = nullptr;
-  segue::ros2::MessageBounds bounds_;
+  std::optional<segue::ros2::MessageCodec> codec_;
   segue::Mutex said_mutex_;
   std::vector<std::string> said_ SEGUE_GUARDED_BY(said_mutex_);
   segue::ros2::Endpoint own_;  ///< changed only while nobody watches

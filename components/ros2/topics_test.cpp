@@ -147,10 +147,7 @@ TEST_P(Topics, WhatExceedsABoundOfItsMessageIsNotSent) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Topics, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
-                         [](const auto& given) {
-                           return std::string(given.param == Middleware::FastDds ? "WithFastDds"
-                                                                                 : "WithCyclone");
-                         });
+                         middleware_name);
 
 }  // namespace
 }  // namespace ros2::testing

@@ -135,6 +135,11 @@ class Writer final : public segue::task::Component {
   segue::task::OutputPort<Message> port_{*this, "out"};
 };
 
+/// Names the tests with one or the other.
+inline std::string middleware_name(const ::testing::TestParamInfo<Middleware>& given) {
+  return given.param == Middleware::FastDds ? "WithFastDds" : "WithCyclone";
+}
+
 class Topics : public ::testing::TestWithParam<Middleware> {
  protected:
   std::unique_ptr<Peer> peer =

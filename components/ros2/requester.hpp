@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "participant.hpp"
+
+#include <segue/base/condition_variable.hpp>
+#include <segue/base/mutex.hpp>
+#include <segue/base/result.hpp>
+#include <segue/ros2/message_codec.hpp>
+#include <segue/ros2/service_message.hpp>
+#include <segue/type/value.hpp>
+
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ros2 {
+
+/// A client of a service of ROS 2, in the mapping that its server speaks (service_message.hpp). Any thread.
+class Requester final : private dds::DataReaderListener, private dds::DataWriterListener {
+ public:
+  /// `service`: "/add_two_ints"; `interface`: "example_interfaces/srv/AddTwoInts".
+  static segue::Result<std::unique_ptr<Requester>> make(std::shared_ptr<Participant> participant,
+                                                        segue::ros2::InterfaceLibrary& library,
+                                                        const std::string& service,
+                                                        const std::string& interface);
+  ~Requester() override;
+  Requester(const Requester&) = delete;
+  Requester& operator=(const Requester&) = delete;
+
+  /// Waits for a server, sends the request, and waits for the response. Unavailable: there was no server
+  /// until the deadline; DeadlineExceeded: it has not answered, so what it did is not known; Cancelled: by
+  /// cancel(); ParseError: its response is not one. Fields that `request` does not name have their defaults.
+  segue::Result<segue::type::Value> call(const segue::type::Value& request, segue::TimePoint deadline);
+  /// Whether requests are sent from now on; where not, calls in progress end, too.
+  void allow(bool allowed);
+  /// Servers whose both endpoints have been found.
+  [[nodiscard]] std::uint32_t servers() const;
+  [[nodiscard]] segue::ros2::Gid publisher() const { return gid_of(writer_->guid()); }
+  [[nodiscard]] segue::ros2::Gid subscription() const { return gid_of(reader_->guid()); }
+
+ private:
+  using Response = std::vector<std::byte>;
+  /// Both mappings count requests in their own way.
+  using Number = std::pair<segue::ros2::ServiceMapping, std::int64_t>;
+
+  Requester(std::shared_ptr<Participant> participant, std::string service, segue::ros2::MessageCodec request,
+            segue::ros2::MessageCodec response, std::string request_topic, std::string response_topic);
+  segue::Result<void> open();
+  segue::Result<segue::ros2::ServiceMapping> wait_for_server(segue::TimePoint deadline);
+  segue::Result<Response> exchange(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping,
+                                   segue::TimePoint deadline);
+  /// The number by which the response is known; nothing where Fast DDS does not take the request.
+  std::optional<Number> send(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping);
+  /// The mapping of the servers that have both endpoints; nothing where there is none.
+  [[nodiscard]] segue::Result<std::optional<segue::ros2::ServiceMapping>> mapping_of_servers() const;
+  void notify();
+  void on_data_available(dds::DataReader* reader) override;
+  void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override;
+  void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
+  void take_response(const Number& number, std::vector<std::byte> response);
+
+  const std::shared_ptr<Participant> participant_;
+  const std::string service_;
+  const segue::ros2::MessageCodec request_;
+  const segue::ros2::MessageCodec response_;
+  const std::uint64_t client_;        ///< in requests to servers of Cyclone DDS
+  const std::string request_topic_;   ///< on DDS
+  const std::string response_topic_;  ///< on DDS
+  std::atomic<std::int32_t> matched_requests_{0};
+  std::atomic<std::int32_t> matched_responses_{0};
+  std::atomic<std::int64_t> last_number_{0};  ///< of requests to servers of Cyclone DDS
+  mutable segue::Mutex mutex_;
+  segue::ConditionVariable changed_;
+  bool allowed_ SEGUE_GUARDED_BY(mutex_) = false;
+  std::uint32_t sending_ SEGUE_GUARDED_BY(mutex_) = 0;
+  std::map<Number, std::optional<Response>> waiting_ SEGUE_GUARDED_BY(mutex_);
+  std::map<Number, Response> early_
+      SEGUE_GUARDED_BY(mutex_);  ///< while it is being sent, its number is not known
+  Participant::Owned<dds::DataReader> reader_;
+  Participant::Owned<dds::DataWriter> writer_;
+};
+
+}  // namespace ros2
