@@ -1,10 +1,10 @@
 # Everything a person runs by hand. CMake does the work; presets are in CMakePresets.json.
 JOBS ?= $(shell nproc)
 .DEFAULT_GOAL := help
-.PHONY: help setup build demo demo-table demo-artemis studio manual test bench format tidy install package clean
+.PHONY: help setup build demo demo-table demo-artemis studio manual test bench format tidy install package package-arm64 clean
 
 help: ## this text
-	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
+	@sed -n 's/^\([a-z0-9-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 22
 
 setup: ## install the Debian packages that are missing
 	@tools/setup
@@ -51,6 +51,13 @@ install: build ## install below PREFIX (default /usr/local)
 package: build ## Debian packages, in build/packages
 	@tools/setup --packages
 	@tools/package build/release build/packages
+
+package-arm64: ## Debian packages for 64-bit ARM, cross-compiled, in build/packages-arm64
+	@tools/setup --arm64
+	@tools/arm64_root
+	@cmake --preset arm64 > build/arm64.log 2>&1 || { cat build/arm64.log; exit 1; }
+	@cmake --build --preset arm64 --target product -j $(JOBS)
+	@tools/package build/arm64 build/packages-arm64
 
 clean: ## remove what was built
 	@rm -rf build

@@ -4,7 +4,7 @@ set(packaging ${CMAKE_SOURCE_DIR}/packaging)
 
 # Manual pages, and completion where each shell looks for it.
 if(TARGET segue)
-  install(CODE "set(segue $<TARGET_FILE:segue>)\nset(source ${CMAKE_SOURCE_DIR})\nset(version ${PROJECT_VERSION})" COMPONENT runtime)
+  install(CODE "set(segue ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:segue>)\nset(source ${CMAKE_SOURCE_DIR})\nset(version ${PROJECT_VERSION})" COMPONENT runtime)
   install(SCRIPT ${packaging}/install_pages.cmake COMPONENT runtime)
   install(FILES ${packaging}/segue-deployment.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime)
   install(FILES ${packaging}/segue-export.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT dev)
@@ -30,6 +30,10 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_PRE_BUILD_SCRIPTS ${packaging}/finish_tree.cmake)
 set(CPACK_COMPONENTS_ALL runtime dev components ros2 examples)
+if(CMAKE_CROSSCOMPILING)
+  # Which packages the libraries are from is looked up in the other Debian (tools/arm64_root), not in this computer's.
+  set(shlibdeps "set(SHLIBDEPS_EXECUTABLE env DEB_HOST_ARCH=${CPACK_DEBIAN_PACKAGE_ARCHITECTURE} dpkg-shlibdeps -S${CMAKE_SYSROOT})")
+endif()
 # Variables of finish_tree.cmake; CPack passes on what begins with CPACK_ only, unless it stands in a file of the project's.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/PackageProject.cmake @ONLY CONTENT [[
 set(SEGUE_PACKAGING "@packaging@")
@@ -37,6 +41,7 @@ set(SEGUE_PAGE_PACKAGES "@CMAKE_BINARY_DIR@/ui/work")
 set(PROJECT_VERSION "@PROJECT_VERSION@")
 unset(CPACK_PACKAGE_DESCRIPTION_SUMMARY)  # each package has its own
 include(@packaging@/maintainer.cmake)
+@shlibdeps@
 ]])
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_BINARY_DIR}/PackageProject.cmake)
 

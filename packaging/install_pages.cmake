@@ -1,9 +1,9 @@
 # Run by the installation: manual pages from the command's help, completion where each shell looks for it, and the unit of the
 # daemon, which names the folder that the program is installed in.
-# Variables: segue (the command), source (the source tree).
+# Variables: segue (the command, where it is of another architecture after the emulator that runs it), source (the source tree).
 set(prefix $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX})
 set(pages ${prefix}/share/man/man1)
-execute_process(COMMAND ${source}/tools/man_pages ${segue} ${pages} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${source}/tools/man_pages ${pages} ${segue} COMMAND_ERROR_IS_FATAL ANY)
 file(GLOB made ${pages}/segue*.1)
 list(LENGTH made count)
 message(STATUS "Installing: ${count} manual pages in ${pages}")
