@@ -8,6 +8,7 @@
 #include <segue/task/thread_start.hpp>
 #include <segue/task/wake_batch.hpp>
 
+#include <poll.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
 #include <sys/prctl.h>
@@ -19,6 +20,7 @@
 #include <cstring>
 #include <ctime>
 #include <optional>
+#include <span>
 
 namespace segue::task {
 
@@ -47,6 +49,16 @@ void relax() noexcept {
 timespec to_timespec(Duration duration) {
   const auto count = std::max(duration, Duration::zero()).count();
   return {static_cast<time_t>(count / 1'000'000'000), static_cast<long>(count % 1'000'000'000)};
+}
+
+/// epoll_pwait2(), which some computers of robots have a kernel without (before Linux 5.11): there in two
+/// calls.
+int wait_for_events(int poller, std::span<epoll_event> events, const timespec* timeout) noexcept {
+  const int most = static_cast<int>(events.size());
+  const int count = epoll_pwait2(poller, events.data(), most, timeout, nullptr);
+  if (count >= 0 || errno != ENOSYS) return count;
+  pollfd any{poller, POLLIN, 0};
+  return ppoll(&any, 1, timeout, nullptr) > 0 ? epoll_wait(poller, events.data(), most, 0) : 0;
 }
 
 }  // namespace
@@ -274,8 +286,7 @@ void ThreadExecutor::State::sleep_in_poll(TimePoint time, TimePoint until) noexc
 
 void ThreadExecutor::State::collect_events(const timespec* timeout, TimePoint time) noexcept {
   std::array<epoll_event, 16> events{};
-  const int count =
-      epoll_pwait2(poll_descriptor, events.data(), static_cast<int>(events.size()), timeout, nullptr);
+  const int count = wait_for_events(poll_descriptor, events, timeout);
   if (count > 0) time = monotonic_now();
   for (int i = 0; i < count; ++i) {
     void* job = events[static_cast<std::size_t>(i)].data.ptr;
