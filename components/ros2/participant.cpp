@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "participant.hpp"
-#include "departures.hpp"
 #include "fast_quality.hpp"
 
 #include <segue/base/log.hpp>
@@ -67,7 +66,8 @@ rtps::GuidPrefix_t new_identifier() {
 
 /// UDP only: segments of shared memory would stay behind where a process is killed, and are closed to other
 /// users.
-dds::DomainParticipantQos quality_of(const Settings& settings) {
+dds::DomainParticipantQos quality_of(const Settings& settings,
+                                     std::function<void(const Acknowledgement&)> acknowledged) {
   dds::DomainParticipantQos quality;
   quality.user_data().setValue({kUserData.begin(), kUserData.end()});
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
@@ -78,7 +78,7 @@ dds::DomainParticipantQos quality_of(const Settings& settings) {
   discovery.initial_announcements = {20, {0, 50'000'000}};
   discovery.leaseDuration_announcementperiod = {1, 0};
   quality.transport().use_builtin_transports = false;
-  quality.transport().user_transports = {transport_that_sees_departures(udp)};
+  quality.transport().user_transports = {watched_transport(udp, std::move(acknowledged))};
   return quality;
 }
 
@@ -148,8 +148,9 @@ Participant::Participant(const Settings& settings) : settings_(settings) {}
 segue::Result<void> Participant::start() {
   take_log_lines();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  participant_ =
-      factory->create_participant(settings_.domain, quality_of(settings_), this, dds::StatusMask::none());
+  participant_ = factory->create_participant(
+      settings_.domain, quality_of(settings_, [this](const Acknowledgement& one) { acknowledged(one); }),
+      this, dds::StatusMask::none());
   if (participant_ == nullptr)
     return fail(ErrorCode::Unavailable, "Fast DDS cannot start (" + to_string(settings_) + ")");
   publisher_ = participant_->create_publisher(dds::PublisherQos());
@@ -312,9 +313,39 @@ void Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDi
   tell_watchers();
 }
 
+void Participant::wait_for_acknowledgements(const segue::ros2::Gid& writer) {
+  const segue::Lock lock(acknowledged_mutex_);
+  awaited_.insert(writer);
+}
+
+void Participant::forget_acknowledgements(const segue::ros2::Gid& writer) {
+  const segue::Lock lock(acknowledged_mutex_);
+  awaited_.erase(writer);
+  std::erase_if(acknowledged_, [&](const Acknowledgement& one) { return one.writer == writer; });
+}
+
+void Participant::forget_reader(const segue::ros2::Gid& reader) {
+  const segue::Lock lock(acknowledged_mutex_);
+  std::erase_if(acknowledged_, [&](const Acknowledgement& one) { return one.reader == reader; });
+}
+
+bool Participant::has_acknowledged(const segue::ros2::Gid& reader, const segue::ros2::Gid& writer) const {
+  const segue::Lock lock(acknowledged_mutex_);
+  return acknowledged_.contains({reader, writer});
+}
+
+void Participant::acknowledged(const Acknowledgement& one) {
+  {
+    const segue::Lock lock(acknowledged_mutex_);
+    if (!awaited_.contains(one.writer) || !acknowledged_.insert(one).second) return;
+  }
+  tell_watchers();
+}
+
 void Participant::on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderDiscoveryInfo&& info) {
   if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
     graph_.remove(gid_of(info.info.guid()));
+    forget_reader(gid_of(info.info.guid()));
   } else {
     graph_.set({gid_of(info.info.guid()), false, info.info.topicName().to_string(),
                 info.info.typeName().to_string(), hash_of(info.info.m_qos), quality_of(info.info.m_qos)});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "opaque_type.hpp"
+#include "watched_transport.hpp"
 
 #include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
@@ -20,6 +21,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -69,6 +71,13 @@ class Participant final : private dds::DomainParticipantListener,
   void announce(const segue::ros2::NodeEntities& node);
   void withdraw(const segue::ros2::NodeEntities& node);
 
+  /// Which readers of others have matched an own writer is known of those that were named here, until they
+  /// are forgotten; watchers are told of changes. (That this participant has matched a reader does not mean
+  /// the reverse, and until then the reader gets nothing.)
+  void wait_for_acknowledgements(const segue::ros2::Gid& writer);
+  void forget_acknowledgements(const segue::ros2::Gid& writer);
+  [[nodiscard]] bool has_acknowledged(const segue::ros2::Gid& reader, const segue::ros2::Gid& writer) const;
+
   [[nodiscard]] const segue::ros2::NodeGraph& graph() const { return graph_; }
   /// `changed` is called in a thread of Fast DDS, after the graph has changed, until `owner` is told to stop.
   void watch(const void* owner, std::function<void()> changed);
@@ -89,6 +98,8 @@ class Participant final : private dds::DomainParticipantListener,
   void leave(const std::string& topic);
   void publish_nodes() SEGUE_REQUIRES(nodes_mutex_);
   void tell_watchers();
+  void acknowledged(const Acknowledgement& one);
+  void forget_reader(const segue::ros2::Gid& reader);
 
   void on_participant_discovery(dds::DomainParticipant* participant,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override;
@@ -101,6 +112,9 @@ class Participant final : private dds::DomainParticipantListener,
   segue::ros2::NodeGraph graph_;
   segue::Mutex watchers_mutex_;
   std::map<const void*, std::function<void()>> watchers_ SEGUE_GUARDED_BY(watchers_mutex_);
+  mutable segue::Mutex acknowledged_mutex_;
+  std::set<segue::ros2::Gid> awaited_ SEGUE_GUARDED_BY(acknowledged_mutex_);
+  std::set<Acknowledgement> acknowledged_ SEGUE_GUARDED_BY(acknowledged_mutex_);
   segue::Mutex topics_mutex_;
   std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(topics_mutex_);
   dds::DomainParticipant* participant_ = nullptr;

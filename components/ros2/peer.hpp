@@ -52,6 +52,8 @@ class Peer {
   virtual void stop_serving() = 0;
   /// The requests that have come since the last call.
   virtual std::vector<Request> requests() = 0;
+  /// Clients that get responses.
+  virtual std::uint32_t clients() = 0;
   virtual void respond(const Request& request, const Bytes& response) = 0;
   /// The nodes of other participants, as each has said last.
   virtual std::vector<segue::ros2::ParticipantEntities> others() = 0;

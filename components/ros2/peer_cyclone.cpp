@@ -193,11 +193,8 @@ class CyclonePeer final : public Peer {
       all.push_back(entities);
     return all;
   }
-  std::uint32_t subscriptions() override {
-    dds_publication_matched_status_t status{};
-    ::dds_get_publication_matched_status(out_->entity, &status);
-    return status.current_count;
-  }
+  std::uint32_t subscriptions() override { return matched(*out_); }
+  std::uint32_t clients() override { return matched(*responses_); }
   std::uint32_t publishers() override {
     dds_subscription_matched_status_t status{};
     ::dds_get_subscription_matched_status(in_->entity, &status);
@@ -217,6 +214,11 @@ class CyclonePeer final : public Peer {
   }
 
  private:
+  static std::uint32_t matched(const Channel& channel) {
+    dds_publication_matched_status_t status{};
+    ::dds_get_publication_matched_status(channel.entity, &status);
+    return status.current_count;
+  }
   [[nodiscard]] std::unique_ptr<Channel> make(bool publishes, const TopicOf& topic, const std::string& name,
                                               const std::string& type,
                                               const std::string& more_user_data = "") const {

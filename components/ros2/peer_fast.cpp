@@ -221,11 +221,8 @@ class FastPeer final : public Peer {
       all.push_back(entities);
     return all;
   }
-  std::uint32_t subscriptions() override {
-    edds::PublicationMatchedStatus status;
-    out_->get_publication_matched_status(status);
-    return static_cast<std::uint32_t>(status.current_count);
-  }
+  std::uint32_t subscriptions() override { return matched(*out_); }
+  std::uint32_t clients() override { return matched(*responses_); }
   std::uint32_t publishers() override {
     edds::SubscriptionMatchedStatus status;
     in_->get_subscription_matched_status(status);
@@ -234,6 +231,11 @@ class FastPeer final : public Peer {
   std::string user_data_of_publisher() override { return discovery_.user_data(subscribed_); }
 
  private:
+  static std::uint32_t matched(const edds::DataWriter& writer) {
+    edds::PublicationMatchedStatus status;
+    writer.get_publication_matched_status(status);
+    return static_cast<std::uint32_t>(status.current_count);
+  }
   edds::Topic* topic(const std::string& name, const std::string& type) {
     edds::Topic*& made = topics_[name];
     if (made != nullptr) return made;

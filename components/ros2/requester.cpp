@@ -101,12 +101,14 @@ segue::Result<void> Requester::open() {
   if (!writer) return writer.error();
   reader_ = std::move(*reader);
   writer_ = std::move(*writer);
+  participant_->wait_for_acknowledgements(gid_of(writer_->guid()));
   participant_->watch(this, [this] { notify(); });
   return {};
 }
 
 Requester::~Requester() {
   participant_->stop_watching(this);
+  if (writer_) participant_->forget_acknowledgements(gid_of(writer_->guid()));
 }
 
 void Requester::notify() {
@@ -126,7 +128,8 @@ segue::Result<std::optional<ServiceMapping>> Requester::mapping_of_servers() con
     answer.insert(prefix_of(endpoint.gid));
   std::optional<ServiceMapping> found;
   for (const auto& endpoint : participant_->graph().endpoints(request_topic_, false)) {
-    if (!answer.contains(prefix_of(endpoint.gid))) continue;
+    const bool is_ready = participant_->has_acknowledged(endpoint.gid, gid_of(writer_->guid()));
+    if (!is_ready || !answer.contains(prefix_of(endpoint.gid))) continue;
     const ServiceMapping mapping = segue::ros2::mapping_of(endpoint.gid);
     if (found && *found != mapping) {
       return fail(

@@ -61,7 +61,7 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
                                    segue::TimePoint deadline);
   /// The number by which the response is known; nothing where Fast DDS does not take the request.
   std::optional<Number> send(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping);
-  /// The mapping of the servers that have both endpoints; nothing where there is none.
+  /// The mapping of the servers that have both endpoints and get requests; nothing where there is none.
   [[nodiscard]] segue::Result<std::optional<segue::ros2::ServiceMapping>> mapping_of_servers() const;
   void notify();
   void on_data_available(dds::DataReader* reader) override;

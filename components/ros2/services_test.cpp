@@ -43,6 +43,8 @@ class Services : public Topics {
   Request next_request() {
     std::vector<Request> all;
     EXPECT_TRUE(eventually([&] { return !(all = peer->requests()).empty(); }));
+    // As servers of both middlewares wait for it, since a response that is sent before would be lost.
+    EXPECT_TRUE(eventually([&] { return peer->clients() > 0; }));
     return all.empty() ? Request{} : all.front();
   }
   void respond(const Request& request, bool success, const std::string& message) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "departures.hpp"
+#include "watched_transport.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <random>
 
@@ -68,6 +70,28 @@ TEST(Departures, OtherMessagesAreLeftAlone) {
   EXPECT_TRUE(with_departures_as_data(message).empty());
 }
 
+/// An acknowledgement, of a reader and for a writer of these kinds.
+void append_acknowledgement(Bytes& bytes, int reader, int writer) {
+  append(bytes, {0x06, 0x01, 24, 0, 0, 0, 9, reader, 0, 0, 8, writer});
+  bytes.resize(bytes.size() + 16);
+}
+
+TEST(Acknowledgements, HaveTheReaderAndTheWriter) {
+  Bytes message = header();
+  for (std::size_t i = 8; i < 20; ++i)
+    message[i] = std::byte{0xaa};
+  append(message, {0x0e, 0x01, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});  // INFO_DST
+  append_acknowledgement(message, 0x04, 0x03);
+  append_acknowledgement(message, 0xc7, 0xc2);  // of discovery
+  const auto found = acknowledgements_in(message);
+  ASSERT_EQ(found.size(), 1U);
+  segue::ros2::Gid reader;
+  reader.fill(0xaa);
+  std::ranges::copy(std::array<std::uint8_t, 4>{0, 0, 9, 4}, reader.begin() + 12);
+  EXPECT_EQ(found.front().reader, reader);
+  EXPECT_EQ(found.front().writer, (segue::ros2::Gid{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 0, 8, 3}));
+}
+
 TEST(Departures, HostileBytesDoNoHarm) {
   Bytes message = header();
   append_data(message, {0, 0, 0x03, 0xc2}, true);
@@ -77,9 +101,11 @@ TEST(Departures, HostileBytesDoNoHarm) {
   for (int i = 0; i < 20'000; ++i) {
     Bytes noise = header();
     for (std::uint32_t left = random() % 64; left > 0; --left)
-      noise.push_back(static_cast<std::byte>(random() % 4 == 0 ? 0x15 : random() % 256));
+      noise.push_back(
+          static_cast<std::byte>(random() % 4 == 0 ? (random() % 2 == 0 ? 0x15 : 0x06) : random() % 256));
     const auto changed = with_departures_as_data(noise);
     EXPECT_TRUE(changed.empty() || changed.size() == noise.size());
+    EXPECT_LE(acknowledgements_in(noise).size(), noise.size());
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "departures.hpp"
+#include "watched_transport.hpp"
 
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
@@ -19,11 +19,16 @@ using eprosima::fastrtps::rtps::octet;
 // DDSI-RTPS 2.3, 9.4.5: a message is a header and submessages, each with an id, flags, and its length.
 constexpr std::size_t kMessageHeader = 20;
 constexpr std::size_t kSubmessageHeader = 4;
+constexpr std::byte kAckNack{0x06};
+constexpr std::byte kInfoDestination{0x0e};
 constexpr std::byte kData{0x15};
 constexpr std::byte kLittleEndian{0x01};
 constexpr std::byte kHasData{0x04};
 constexpr std::byte kHasKey{0x08};
 constexpr std::size_t kWriterId = 8;  // in the body of DATA
+constexpr std::size_t kPrefix = 8;    // in the header of a message: of the participant that sends it
+constexpr std::size_t kPrefixSize = 12;
+constexpr std::byte kWriterOfUser{0x03};  // the kind of an entity: a writer without a key (9.3.1.2)
 /// The writers that tell of participants, publishers and subscriptions.
 constexpr std::array<std::uint32_t, 3> kDiscoveryWriters = {0x000100c2, 0x000003c2, 0x000004c2};
 
@@ -62,8 +67,12 @@ bool is_departure(std::span<const std::byte> message, const Submessage& one) {
 
 class Descriptor final : public fast::ChainingTransportDescriptor {
  public:
-  using ChainingTransportDescriptor::ChainingTransportDescriptor;
+  Descriptor(std::shared_ptr<fast::TransportDescriptorInterface> udp,
+             std::function<void(const Acknowledgement&)> told)
+      : ChainingTransportDescriptor(std::move(udp)), acknowledged(std::move(told)) {}
   fast::TransportInterface* create_transport() const override;
+
+  std::function<void(const Acknowledgement&)> acknowledged;
 };
 
 /// Reads along between UDP and Fast DDS.
@@ -79,7 +88,10 @@ class Transport final : public fast::ChainingTransport {
   }
   void receive(fast::TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
-    const auto changed = with_departures_as_data(std::as_bytes(std::span(bytes, size)));
+    const auto message = std::as_bytes(std::span(bytes, size));
+    for (const Acknowledgement& one : acknowledgements_in(message))
+      descriptor_.acknowledged(one);
+    const auto changed = with_departures_as_data(message);
     if (changed.empty()) return receiver->OnDataReceived(bytes, size, local, remote);
     receiver->OnDataReceived(reinterpret_cast<const octet*>(changed.data()), size, local, remote);
   }
@@ -94,9 +106,30 @@ fast::TransportInterface* Descriptor::create_transport() const {
 
 }  // namespace
 
-std::shared_ptr<fast::TransportDescriptorInterface> transport_that_sees_departures(
-    std::shared_ptr<fast::TransportDescriptorInterface> udp) {
-  return std::make_shared<Descriptor>(std::move(udp));
+std::shared_ptr<fast::TransportDescriptorInterface> watched_transport(
+    std::shared_ptr<fast::TransportDescriptorInterface> udp,
+    std::function<void(const Acknowledgement&)> acknowledged) {
+  return std::make_shared<Descriptor>(std::move(udp), std::move(acknowledged));
+}
+
+std::vector<Acknowledgement> acknowledgements_in(std::span<const std::byte> message) {
+  std::vector<Acknowledgement> found;
+  Acknowledgement one;
+  if (message.size() < kMessageHeader) return found;
+  std::ranges::copy(message.subspan(kPrefix, kPrefixSize),
+                    std::as_writable_bytes(std::span(one.reader)).begin());
+  for (auto part = submessage_at(message, kMessageHeader); part;
+       part = submessage_at(message, part->begin + kSubmessageHeader + part->size)) {
+    const auto body = message.subspan(part->begin + kSubmessageHeader, part->size);
+    const auto writer = std::as_writable_bytes(std::span(one.writer));
+    if (message[part->begin] == kInfoDestination && body.size() >= kPrefixSize)
+      std::ranges::copy(body.first(kPrefixSize), writer.begin());
+    if (message[part->begin] != kAckNack || body.size() < 8 || body[7] != kWriterOfUser) continue;
+    std::ranges::copy(body.first(4), std::as_writable_bytes(std::span(one.reader)).begin() + kPrefixSize);
+    std::ranges::copy(body.subspan(4, 4), writer.begin() + kPrefixSize);
+    found.push_back(one);
+  }
+  return found;
 }
 
 std::vector<std::byte> with_departures_as_data(std::span<const std::byte> message) {
