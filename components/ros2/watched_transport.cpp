@@ -20,6 +20,7 @@ using eprosima::fastrtps::rtps::octet;
 constexpr std::size_t kMessageHeader = 20;
 constexpr std::size_t kSubmessageHeader = 4;
 constexpr std::byte kAckNack{0x06};
+constexpr std::byte kInfoSource{0x0c};
 constexpr std::byte kInfoDestination{0x0e};
 constexpr std::byte kData{0x15};
 constexpr std::byte kLittleEndian{0x01};
@@ -122,6 +123,11 @@ std::vector<Acknowledgement> acknowledgements_in(std::span<const std::byte> mess
        part = submessage_at(message, part->begin + kSubmessageHeader + part->size)) {
     const auto body = message.subspan(part->begin + kSubmessageHeader, part->size);
     const auto writer = std::as_writable_bytes(std::span(one.writer));
+    // Participants of one process share messages.
+    if (message[part->begin] == kInfoSource && body.size() >= kPrefix + kPrefixSize) {
+      std::ranges::copy(body.subspan(kPrefix, kPrefixSize),
+                        std::as_writable_bytes(std::span(one.reader)).begin());
+    }
     if (message[part->begin] == kInfoDestination && body.size() >= kPrefixSize)
       std::ranges::copy(body.first(kPrefixSize), writer.begin());
     if (message[part->begin] != kAckNack || body.size() < 8 || body[7] != kWriterOfUser) continue;

@@ -82,9 +82,13 @@ TEST(Acknowledgements, HaveTheReaderAndTheWriter) {
     message[i] = std::byte{0xaa};
   append(message, {0x0e, 0x01, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});  // INFO_DST
   append_acknowledgement(message, 0x04, 0x03);
-  append_acknowledgement(message, 0xc7, 0xc2);  // of discovery
+  append_acknowledgement(message, 0xc7, 0xc2);                      // of discovery
+  append(message, {0x0c, 0x01, 20, 0, 0, 0, 0, 0, 2, 1, 1, 0x10});  // INFO_SRC, of another participant
+  message.resize(message.size() + 12, std::byte{0xbb});
+  append_acknowledgement(message, 0x04, 0x03);
   const auto found = acknowledgements_in(message);
-  ASSERT_EQ(found.size(), 1U);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found.back().reader[0], 0xbb);
   segue::ros2::Gid reader;
   reader.fill(0xaa);
   std::ranges::copy(std::array<std::uint8_t, 4>{0, 0, 9, 4}, reader.begin() + 12);

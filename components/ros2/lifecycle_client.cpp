@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lifecycle_client.hpp"
+
+#include <segue/base/clock.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace ros2 {
+namespace {
+
+using segue::ErrorCode;
+using segue::fail;
+using segue::type::Value;
+
+/// How often a node in a transition is asked whether that has ended.
+constexpr std::chrono::milliseconds kPause{20};
+
+/// A transition by its number in lifecycle_msgs/msg/Transition.
+struct Transition {
+  int number;
+  const char* verb;
+};
+
+/// From a state that is not the goal, one step nearer.
+Transition transition_between(NodeState from, NodeState goal) {
+  if (goal > from)
+    return from == NodeState::Unconfigured ? Transition{1, "configure"} : Transition{3, "activate"};
+  return from == NodeState::Active ? Transition{4, "deactivate"} : Transition{2, "clean up"};
+}
+
+bool is_in_transition(NodeState state) {
+  return state >= NodeState::Configuring;
+}
+
+void pause(segue::TimePoint deadline) {
+  std::this_thread::sleep_until(std::min(deadline, segue::monotonic_now() + kPause));
+}
+
+}  // namespace
+
+std::string_view to_string(NodeState state) {
+  switch (state) {
+    case NodeState::Unconfigured:
+      return "unconfigured";
+    case NodeState::Inactive:
+      return "inactive";
+    case NodeState::Active:
+      return "active";
+    case NodeState::Finalized:
+      return "finalized";
+    case NodeState::Configuring:
+      return "configuring";
+    case NodeState::CleaningUp:
+      return "cleaning up";
+    case NodeState::ShuttingDown:
+      return "shutting down";
+    case NodeState::Activating:
+      return "activating";
+    case NodeState::Deactivating:
+      return "deactivating";
+    case NodeState::ErrorProcessing:
+      return "error processing";
+    case NodeState::Unknown:
+      break;
+  }
+  return "unknown";
+}
+
+segue::Result<std::unique_ptr<LifecycleClient>> LifecycleClient::make(
+    const std::shared_ptr<Participant>& participant, const std::string& node) {
+  std::unique_ptr<LifecycleClient> made(new LifecycleClient);
+  made->node_ = node;
+  segue::ros2::InterfaceLibrary library;
+  struct Service {
+    std::unique_ptr<Requester>& requester;
+    const char* name;
+    const char* interface;
+  };
+  for (const Service& service :
+       {Service{made->change_state_, "change_state", "lifecycle_msgs/srv/ChangeState"},
+        Service{made->get_state_, "get_state", "lifecycle_msgs/srv/GetState"},
+        Service{made->set_parameters_, "set_parameters_atomically",
+                "rcl_interfaces/srv/SetParametersAtomically"}}) {
+    auto requester = Requester::make(participant, library, node + "/" + service.name, service.interface);
+    if (!requester) return requester.error();
+    service.requester = std::move(*requester);
+    service.requester->allow(true);
+  }
+  return made;
+}
+
+std::vector<const Requester*> LifecycleClient::requesters() const {
+  return {change_state_.get(), get_state_.get(), set_parameters_.get()};
+}
+
+std::vector<segue::ros2::Gid> LifecycleClient::publishers() const {
+  std::vector<segue::ros2::Gid> gids;
+  for (const Requester* requester : requesters())
+    gids.push_back(requester->publisher());
+  return gids;
+}
+
+std::vector<segue::ros2::Gid> LifecycleClient::subscriptions() const {
+  std::vector<segue::ros2::Gid> gids;
+  for (const Requester* requester : requesters())
+    gids.push_back(requester->subscription());
+  return gids;
+}
+
+segue::Result<NodeState> LifecycleClient::state(segue::TimePoint deadline) {
+  auto response = get_state_->call(Value(), deadline);
+  if (!response) return response.error();
+  const auto number = response->find("current_state")->find("id")->as_int();
+  constexpr std::array<std::int64_t, 10> kKnown = {1, 2, 3, 4, 10, 11, 12, 13, 14, 15};
+  if (std::ranges::find(kKnown, number) != kKnown.end()) return static_cast<NodeState>(number);
+  return fail(ErrorCode::InvalidState, "node " + node_ + " says that its state is number " +
+                                           std::to_string(number) + ", which does not exist");
+}
+
+segue::Result<void> LifecycleClient::drive(NodeState goal, segue::TimePoint deadline) {
+  NodeState now = NodeState::Unknown;
+  while (segue::monotonic_now() < deadline) {
+    auto read = state(deadline);
+    if (!read) return read.error();
+    now = *read;
+    if (now == goal) return {};
+    if (now == NodeState::Finalized)
+      return fail(ErrorCode::InvalidState, "node " + node_ + " is finalized, which it cannot leave");
+    if (is_in_transition(now)) {
+      pause(deadline);
+    } else if (auto stepped = step(now, goal, deadline); !stepped) {
+      return stepped;
+    }
+  }
+  return fail(ErrorCode::DeadlineExceeded, "node " + node_ + " is not " + std::string(to_string(goal)) +
+                                               " in time; it is " + std::string(to_string(now)));
+}
+
+segue::Result<void> LifecycleClient::step(NodeState from, NodeState goal, segue::TimePoint deadline) {
+  const Transition transition = transition_between(from, goal);
+  // A response that does not come leaves time to read the state.
+  const segue::TimePoint now = segue::monotonic_now();
+  auto response = change_state_->call(Value::map({{"transition", Value::map({{"id", transition.number}})}}),
+                                      now + (deadline - now) / 2);
+  // Without a response, the state tells what has happened.
+  const bool says_done = response && response->find("success")->as_bool();
+  auto read = state(deadline);
+  if (!read) return response ? read.error() : response.error();
+  if (*read != from || is_in_transition(*read)) return {};
+  if (!response) return response.error();
+  return fail(ErrorCode::InvalidState, "node " + node_ + (says_done ? " says that it did " : " refuses to ") +
+                                           transition.verb + "; it is " + std::string(to_string(*read)));
+}
+
+segue::Result<void> LifecycleClient::set_parameters(const Value& request, segue::TimePoint deadline) {
+  auto response = set_parameters_->call(request, deadline);
+  if (!response) return response.error();
+  const Value& result = *response->find("result");
+  if (result.find("successful")->as_bool()) return {};
+  const std::string& reason = result.find("reason")->as_string();
+  return fail(ErrorCode::InvalidArgument,
+              "node " + node_ + " refuses its parameters" + (reason.empty() ? std::string() : ": " + reason));
+}
+
+}  // namespace ros2

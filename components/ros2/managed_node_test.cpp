@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "managed_peer.hpp"
+#include "topics_test_support.hpp"
+
+namespace ros2::testing {
+namespace {
+
+using segue::TaskState;
+using segue::type::Value;
+using Fault = ManagedPeer::Fault;
+using Numbers = std::vector<int>;
+
+ValueMap node_properties(const std::string& timeout = "60s") {
+  ValueMap map;
+  map.append("managed", "/talker");
+  map.append("domain", std::int64_t{own_domain()});
+  map.append("discovery", "localhost");
+  map.append("timeout", timeout);
+  return map;
+}
+
+class ManagedNodes : public ::testing::TestWithParam<Middleware> {
+ protected:
+  static std::unique_ptr<Peer> make_peer() {
+    return GetParam() == Middleware::FastDds ? make_fast_peer(own_domain()) : make_cyclone_peer(own_domain());
+  }
+  /// The error of configuring it; empty where that works.
+  std::string configure(const ValueMap& values) {
+    const auto done = task.configure(values);
+    return done ? std::string() : segue::to_string(done.error());
+  }
+
+  ManagedPeer node{make_peer};
+  RunningTask task{"ros2::ManagedNode", "talker_node"};
+};
+
+TEST_P(ManagedNodes, AreDrivenByTheLifeCycleOfTheTask) {
+  auto values = node_properties();
+  values["parameters"] = Value::map({{"rate", 10}, {"pid", Value::map({{"order", 2}})}});
+  EXPECT_EQ(configure(values), "");
+  EXPECT_EQ(node.state(), 2);
+  EXPECT_THAT(node.parameters(), ElementsAre("rate: 10", "pid.order: 2"));
+  ASSERT_TRUE(task.task().start(soon()));
+  EXPECT_EQ(node.state(), 3);
+  ASSERT_TRUE(task.task().stop(soon()));
+  EXPECT_EQ(node.state(), 2);
+  ASSERT_TRUE(task.task().cleanup(soon()));
+  EXPECT_EQ(node.state(), 1);
+  EXPECT_EQ(node.transitions(), (Numbers{1, 3, 4, 2}));
+}
+
+TEST_P(ManagedNodes, AreTakenOverFromWhateverStateTheyAreIn) {
+  node.set_state(3);
+  EXPECT_EQ(configure(node_properties()), "");
+  EXPECT_EQ(node.transitions(), (Numbers{4, 2, 1}))
+      << "deactivated and cleaned up, since it is configured afresh";
+}
+
+TEST_P(ManagedNodes, ThatRefuseATransitionAreSaid) {
+  node.set_fault(Fault::Refuses);
+  EXPECT_THAT(configure(node_properties()),
+              HasSubstr("node /talker refuses to configure; it is unconfigured"));
+  EXPECT_EQ(task.task().state(), TaskState::PreOperational);
+}
+
+TEST_P(ManagedNodes, ThatLieAreSaid) {
+  node.set_fault(Fault::SaysDoneOnly);
+  EXPECT_THAT(configure(node_properties()),
+              HasSubstr("node /talker says that it did configure; it is unconfigured"));
+}
+
+TEST_P(ManagedNodes, WhoseResponseIsLostAreReadAgain) {
+  EXPECT_EQ(configure(node_properties("8s")), "");
+  node.set_fault(Fault::AnswersNothing);
+  EXPECT_TRUE(task.task().start(soon())) << "the state tells that it was done";
+  EXPECT_EQ(node.state(), 3);
+  node.set_fault(Fault::Malformed);
+  EXPECT_TRUE(task.task().stop(soon()));
+  EXPECT_EQ(task.task().state(), TaskState::Stopped);
+  EXPECT_EQ(node.transitions(), (Numbers{1, 3, 4})) << "asked once for each";
+}
+
+TEST_P(ManagedNodes, ThatDieInConfigureAreSaid) {
+  node.set_fault(Fault::DiesInConfigure);
+  EXPECT_THAT(configure(node_properties("2s")), HasSubstr("/talker"));
+  EXPECT_EQ(task.task().state(), TaskState::PreOperational);
+}
+
+TEST_P(ManagedNodes, ThatRefuseParametersAreNotConfigured) {
+  auto values = node_properties();
+  values["parameters"] = Value::map({{"unknown", 1}});
+  EXPECT_THAT(configure(values),
+              HasSubstr("node /talker refuses its parameters: parameter 'unknown' has not been declared"));
+  EXPECT_EQ(node.state(), 1);
+}
+
+TEST_P(ManagedNodes, ThatLeaveTheirStateBringAnException) {
+  EXPECT_EQ(configure(node_properties()), "");
+  ASSERT_TRUE(task.task().start(soon()));
+  node.set_state(1);
+  EXPECT_TRUE(eventually([&] { return task.task().state() == TaskState::Exception; }));
+}
+
+TEST_P(ManagedNodes, ThatAreNotSeenForAWhileGoOn) {
+  EXPECT_EQ(configure(node_properties()), "");
+  ASSERT_TRUE(task.task().start(soon()));
+  node.hide(true);
+  EXPECT_TRUE(eventually([&] { return task.task().state() == TaskState::RunTimeError; }));
+  node.hide(false);
+  EXPECT_TRUE(eventually([&] { return task.task().state() == TaskState::Running; }));
+  EXPECT_EQ(node.transitions(), (Numbers{1, 3}));
+}
+
+INSTANTIATE_TEST_SUITE_P(, ManagedNodes, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
+                         middleware_name);
+
+TEST(ManagedNodeProperties, AreRefusedWithAReason) {
+  const auto refusal = [](const char* name, Value value) {
+    RunningTask task("ros2::ManagedNode", "talker_node");
+    auto values = node_properties();
+    values[name] = std::move(value);
+    const auto done = task.configure(values);
+    return done ? std::string() : segue::to_string(done.error());
+  };
+  EXPECT_THAT(refusal("managed", "a b"), HasSubstr("'a b' is not a valid name of a node"));
+  EXPECT_THAT(refusal("parameters", 3), HasSubstr("expected a map of parameters"));
+  EXPECT_THAT(refusal("timeout", "0s"), HasSubstr("timeout must be positive"));
+}
+
+}  // namespace
+}  // namespace ros2::testing

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "managed_peer.hpp"
+
+#include <chrono>
+
+namespace ros2::testing {
+
+using segue::type::Value;
+
+namespace {
+
+const Bytes kNoMessage = {std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
+
+/// Answers when the client gets responses, as servers of both middlewares do.
+void respond(Peer& peer, const Request& request, const Bytes& response) {
+  for (int i = 0; i < 1000 && peer.clients() == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  peer.respond(request, response);
+}
+
+}  // namespace
+
+ManagedPeer::ManagedPeer(const std::function<std::unique_ptr<Peer>()>& make_peer)
+    : change_state_(make_peer()), get_state_(make_peer()), set_parameters_(make_peer()) {
+  serve();
+  thread_ = std::thread([this] {
+    for (bool served = true; !ends_; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      if (served == hidden_) {
+        served = !served;
+        if (served) {
+          serve();
+        } else {
+          for (Peer* peer : {change_state_.get(), get_state_.get(), set_parameters_.get()})
+            peer->stop_serving();
+        }
+      }
+      if (served) answer();
+    }
+  });
+}
+
+ManagedPeer::~ManagedPeer() {
+  ends_ = true;
+  thread_.join();
+}
+
+void ManagedPeer::serve() {
+  change_state_->serve("/talker/change_state", "lifecycle_msgs/srv/ChangeState");
+  get_state_->serve("/talker/get_state", "lifecycle_msgs/srv/GetState");
+  set_parameters_->serve("/talker/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically");
+}
+
+segue::ros2::MessageCodec ManagedPeer::codec(const std::string& message) {
+  return segue::ros2::MessageCodec::of(library_, message).value();
+}
+
+void ManagedPeer::answer() {
+  for (const Request& request : get_state_->requests()) {
+    const Value state = Value::map({{"current_state", Value::map({{"id", int{state_}}})}});
+    respond(*get_state_, request, state_response_.encode(state, "").value());
+  }
+  for (const Request& request : set_parameters_->requests()) {
+    const Value asked = set_request_.decode(request.message).value();
+    const segue::Lock lock(mutex_);
+    bool fits = true;
+    for (const Value& parameter : asked.find("parameters")->as_list()) {
+      const std::string name = parameter.find("name")->as_string();
+      fits = fits && name != "unknown";
+      parameters_.push_back(name + ": " +
+                            std::to_string(parameter.find("value")->find("integer_value")->as_int()));
+    }
+    const Value result = Value::map(
+        {{"successful", fits}, {"reason", fits ? "" : "parameter 'unknown' has not been declared"}});
+    respond(*set_parameters_, request, set_response_.encode(Value::map({{"result", result}}), "").value());
+  }
+  answer_changes();
+}
+
+void ManagedPeer::answer_changes() {
+  for (const Request& request : change_state_->requests()) {
+    const Value asked = change_request_.decode(request.message).value();
+    const int transition = static_cast<int>(asked.find("transition")->find("id")->as_int());
+    {
+      const segue::Lock lock(mutex_);
+      transitions_.push_back(transition);
+    }
+    const Fault fault = fault_;
+    if (fault == Fault::DiesInConfigure) {
+      state_ = 10;
+      hidden_ = true;
+      return;
+    }
+    if (fault != Fault::Refuses && fault != Fault::SaysDoneOnly) change(transition);
+    if (fault == Fault::AnswersNothing) continue;
+    const Value response = Value::map({{"success", fault != Fault::Refuses}});
+    respond(*change_state_, request,
+            fault == Fault::Malformed ? kNoMessage : change_response_.encode(response, "").value());
+  }
+}
+
+void ManagedPeer::change(int transition) {
+  constexpr int kStates[] = {0, 2, 1, 3, 2};  // after configure, cleanup, activate, deactivate
+  state_ = kStates[transition];
+}
+
+std::vector<std::string> ManagedPeer::parameters() const {
+  const segue::Lock lock(mutex_);
+  return parameters_;
+}
+
+std::vector<int> ManagedPeer::transitions() const {
+  const segue::Lock lock(mutex_);
+  return transitions_;
+}
+
+}  // namespace ros2::testing

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/ros2/parameter_value.hpp>
+
+#include <segue/base/text.hpp>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace segue::ros2 {
+namespace {
+
+using type::Value;
+
+/// A kind of parameter: its number in rcl_interfaces/msg/ParameterType, and its field in ParameterValue.
+struct ParameterKind {
+  int number;
+  const char* field;
+};
+
+std::optional<ParameterKind> scalar_kind(const Value& value) {
+  switch (value.kind()) {
+    case Value::Kind::Bool:
+      return ParameterKind{1, "bool_value"};
+    case Value::Kind::Int:
+      return ParameterKind{2, "integer_value"};
+    case Value::Kind::Float:
+      return ParameterKind{3, "double_value"};
+    case Value::Kind::String:
+      return ParameterKind{4, "string_value"};
+    default:
+      return {};
+  }
+}
+
+/// Of a list by its items; that of an empty one is not known, and is taken for texts.
+std::optional<ParameterKind> list_kind(const Value::List& items) {
+  constexpr std::array<ParameterKind, 4> kLists = {{{6, "bool_array_value"},
+                                                    {7, "integer_array_value"},
+                                                    {8, "double_array_value"},
+                                                    {9, "string_array_value"}}};
+  if (items.empty()) return kLists.back();
+  const auto first = scalar_kind(items.front());
+  if (!first) return {};
+  for (const Value& item : items) {
+    const auto kind = scalar_kind(item);
+    if (!kind || kind->number != first->number) return {};
+  }
+  return kLists.at(static_cast<std::size_t>(first->number - 1));
+}
+
+Result<void> append(Value::List& parameters, const Value& value, const std::string& name,
+                    std::string_view path) {
+  if (value.is_map()) {
+    for (const auto& [key, part] : value.as_map()) {
+      if (auto done = append(parameters, part, name.empty() ? key : name + "." + key, path); !done)
+        return done;
+    }
+    return {};
+  }
+  const auto kind = value.is_list() ? list_kind(value.as_list()) : scalar_kind(value);
+  if (!kind || name.empty()) {
+    return fail(
+        ErrorCode::InvalidArgument,
+        std::string(path) + (name.empty() ? "" : "." + name) + ": expected " +
+            (name.empty() ? "a map of parameters" : "a bool, a number, a text, or a list of one of these"));
+  }
+  parameters.push_back(
+      Value::map({{"name", name}, {"value", Value::map({{"type", kind->number}, {kind->field, value}})}}));
+  return {};
+}
+
+}  // namespace
+
+Result<Value> parameters_request(const Value& parameters, std::string_view path) {
+  Value::List list;
+  if (auto done = append(list, parameters, "", path); !done) return done.error();
+  return Value::map({{"parameters", Value(std::move(list))}});
+}
+
+}  // namespace segue::ros2

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/base/result.hpp>
+#include <segue/type/value.hpp>
+
+#include <string_view>
+
+namespace segue::ros2 {
+
+/// Parameters of a node, a map of names and values, as the request of
+/// rcl_interfaces/srv/SetParametersAtomically. Maps within it are names with dots: {controller: {gain: 0.5}}
+/// is "controller.gain". Whole numbers are integers, all other numbers doubles, as in ROS 2's own files.
+/// `path` begins the message of an error: InvalidArgument where a value is none that a parameter can have
+/// (null, lists of lists or of different kinds).
+Result<type::Value> parameters_request(const type::Value& parameters, std::string_view path);
+
+}  // namespace segue::ros2

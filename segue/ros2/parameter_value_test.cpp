@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/ros2/message_codec.hpp>
+#include <segue/ros2/parameter_value.hpp>
+
+#include <gmock/gmock.h>
+
+namespace segue::ros2 {
+namespace {
+
+using ::testing::HasSubstr;
+using type::Value;
+
+/// The parameters as a node gets them: name, number of the type, and the whole message.
+Value sent(const Value& parameters) {
+  InterfaceLibrary library;
+  const auto codec = MessageCodec::of(library, "rcl_interfaces/srv/SetParametersAtomically_Request").value();
+  const auto message = codec.encode(parameters_request(parameters, "parameters").value(), "request").value();
+  return *codec.decode(message).value().find("parameters");
+}
+
+TEST(ParameterValues, HaveTheKindsOfRos2) {
+  const Value all = sent(Value::map({{"on", true},
+                                     {"count", 3},
+                                     {"gain", 0.5},
+                                     {"frame", "base_link"},
+                                     {"flags", Value::list({true, false})},
+                                     {"counts", Value::list({1, 2})},
+                                     {"gains", Value::list({0.5, 1.5})},
+                                     {"frames", Value::list({"a", "b"})}}));
+  const std::vector<std::pair<const char*, int>> expected = {
+      {"bool_value", 1},         {"integer_value", 2},     {"double_value", 3},
+      {"string_value", 4},       {"bool_array_value", 6},  {"integer_array_value", 7},
+      {"double_array_value", 8}, {"string_array_value", 9}};
+  ASSERT_EQ(all.as_list().size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const Value& value = *all.as_list()[i].find("value");
+    EXPECT_EQ(value.find("type")->as_int(), expected[i].second) << i;
+  }
+  EXPECT_EQ(all.as_list()[2].find("value")->find("double_value")->as_double(), 0.5);
+  EXPECT_EQ(all.as_list()[5].find("value")->find("integer_array_value")->as_list().size(), 2U);
+}
+
+TEST(ParameterValues, OfMapsWithinHaveNamesWithDots) {
+  const Value all = sent(Value::map({{"controller", Value::map({{"pid", Value::map({{"gain", 1.0}})}})}}));
+  EXPECT_EQ(all.as_list().front().find("name")->as_string(), "controller.pid.gain");
+}
+
+TEST(ParameterValues, ThatNoParameterCanHaveAreRefused) {
+  const auto error = [](const Value& parameters) {
+    return parameters_request(parameters, "parameters").error().message;
+  };
+  EXPECT_THAT(error(Value::map({{"a", Value()}})),
+              HasSubstr("parameters.a: expected a bool, a number, a text"));
+  EXPECT_THAT(error(Value::map({{"a", Value::list({1, 0.5})}})), HasSubstr("parameters.a"));
+  EXPECT_THAT(error(Value::map({{"a", Value::list({Value::list({1})})}})), HasSubstr("parameters.a"));
+  EXPECT_THAT(error(3), HasSubstr("parameters: expected a map of parameters"));
+}
+
+}  // namespace
+}  // namespace segue::ros2
