@@ -4,6 +4,7 @@
 
 #include <segue/base/mutex.hpp>
 #include <segue/base/text.hpp>
+#include <segue/task/any_port.hpp>
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 
@@ -19,15 +20,6 @@
 namespace gateway {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
-
-/// Samples in place, of a type that the configuration tells.
-class AnyOutput final : public OutputPortBase {
- public:
-  using OutputPortBase::acquire;
-  using OutputPortBase::acquire_flat;
-  using OutputPortBase::OutputPortBase;
-  using OutputPortBase::publish;
-};
 
 static segue::Activity in_shared_thread() {
   segue::Activity activity;

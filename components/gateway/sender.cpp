@@ -3,6 +3,7 @@
 #include "types.hpp"
 
 #include <segue/base/text.hpp>
+#include <segue/task/any_port.hpp>
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 
@@ -23,13 +24,6 @@ constexpr std::array<std::byte, 5> kEmptyMessage = {std::byte{0}, std::byte{1}, 
 
 /// How long a Sender that stops tries to get rid of what it still has.
 constexpr segue::Duration kLastSamples = std::chrono::seconds(1);
-
-/// Samples in place, of a type that the configuration tells.
-class AnyInput final : public InputPortBase {
- public:
-  using InputPortBase::InputPortBase;
-  SampleRef take() noexcept { return fetch() == ReadStatus::NewData ? last() : SampleRef(); }
-};
 
 /// Sends what arrives at `in` to a topic, encoded where it lies in the writer's memory. A write waits while
 /// readers are behind: samples then wait in the connection that leads here, which keeps, refuses or drops

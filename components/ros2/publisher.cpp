@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topic_endpoint.hpp"
 
+#include <segue/task/any_port.hpp>
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 
@@ -12,13 +13,6 @@
 namespace ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
-
-/// Samples in place, of a type that the configuration tells.
-class AnyInput final : public InputPortBase {
- public:
-  using InputPortBase::InputPortBase;
-  SampleRef take() noexcept { return fetch() == ReadStatus::NewData ? last() : SampleRef(); }
-};
 
 /// A sample as CDR, encoded from where it lies. Nodes of ROS 2 do not send what exceeds a bound of its
 /// message.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topic_endpoint.hpp"
 
+#include <segue/task/any_port.hpp>
 #include <segue/type/cdr_flat.hpp>
 #include <segue/type/cdr_object.hpp>
 
@@ -15,15 +16,6 @@
 namespace ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
-
-/// Samples in place, of a type that the configuration tells.
-class AnyOutput final : public OutputPortBase {
- public:
-  using OutputPortBase::acquire;
-  using OutputPortBase::acquire_flat;
-  using OutputPortBase::OutputPortBase;
-  using OutputPortBase::publish;
-};
 
 static segue::Activity in_shared_thread() {
   segue::Activity activity;
