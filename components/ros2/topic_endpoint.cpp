@@ -61,6 +61,10 @@ void TopicEndpoint::watch(const segue::ros2::Gid& endpoint) {
   } else {
     announce({}, {endpoint});
   }
+  {
+    const segue::Lock lock(others_mutex_);
+    shown_ = own_;
+  }
   participant().watch(this, [this] { check_others(); });
   check_others();
 }
@@ -68,7 +72,8 @@ void TopicEndpoint::watch(const segue::ros2::Gid& endpoint) {
 void TopicEndpoint::stop_watching() {
   participant().stop_watching(this);
   withdraw();
-  const segue::Lock lock(said_mutex_);
+  const segue::Lock lock(others_mutex_);
+  shown_.reset();
   said_.clear();
 }
 
@@ -79,8 +84,12 @@ void TopicEndpoint::missed(const std::string& what, std::uint32_t times) {
 }
 
 std::vector<segue::ros2::Mismatch> TopicEndpoint::mismatches() const {
-  const auto seen = shared_participant();
-  return seen == nullptr ? std::vector<segue::ros2::Mismatch>() : seen->graph().mismatches_of(own_);
+  const auto joined = shared_participant();
+  segue::Lock lock(others_mutex_);
+  const std::optional<segue::ros2::Endpoint> shown = shown_;
+  lock.unlock();
+  if (joined == nullptr || !shown) return {};
+  return joined->graph().mismatches_of(*shown);
 }
 
 std::vector<std::string> TopicEndpoint::mismatch_texts() const {
@@ -99,7 +108,7 @@ void TopicEndpoint::check_others() {
   for (segue::ros2::Mismatch& one : mismatches()) {
     if (one.is_named) found.push_back(std::move(one.text));
   }
-  const segue::Lock lock(said_mutex_);
+  const segue::Lock lock(others_mutex_);
   for (const std::string& one : found) {
     if (std::ranges::find(said_, one) == said_.end()) segue::log(segue::LogLevel::Warning, id(), one);
   }

@@ -78,9 +78,10 @@ class TopicEndpoint : public NodeTask {
   std::atomic<std::uint32_t> matched_{0};
   std::atomic<std::uint64_t> missed_{0};
   std::optional<segue::ros2::MessageCodec> codec_;
-  segue::Mutex said_mutex_;
-  std::vector<std::string> said_ SEGUE_GUARDED_BY(said_mutex_);
-  segue::ros2::Endpoint own_;  ///< changed only while nobody watches
+  segue::ros2::Endpoint own_;  ///< changed only while there is no endpoint
+  mutable segue::Mutex others_mutex_;
+  std::optional<segue::ros2::Endpoint> shown_ SEGUE_GUARDED_BY(others_mutex_);  ///< own_, for other threads
+  std::vector<std::string> said_ SEGUE_GUARDED_BY(others_mutex_);
 };
 
 }  // namespace ros2
