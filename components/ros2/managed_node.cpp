@@ -47,17 +47,11 @@ class ManagedNode final : public NodeTask {
 
   void on_update() override {
     if (!client_->is_seen()) return error(unseen_, "the services of its life cycle are not seen");
-    const auto state = client_->state(segue::monotonic_now() + kLook);
-    if (state && *state != NodeState::Active)
-      exception("the node is " + std::string(to_string(*state)) + ", not active");
+    check_active();
   }
 
   void on_error() override {
-    if (!client_->is_seen()) return;
-    const auto state = client_->state(segue::monotonic_now() + kLook);
-    if (!state) return;
-    if (*state == NodeState::Active) return recovered();
-    exception("the node is " + std::string(to_string(*state)) + ", not active");
+    if (client_->is_seen() && check_active()) recovered();
   }
 
   void on_stop() override {
@@ -73,6 +67,15 @@ class ManagedNode final : public NodeTask {
 
  private:
   [[nodiscard]] segue::TimePoint deadline() const { return segue::Deadline(*timeout_); }
+
+  /// Whether the node says that it is active. Another state is an exception; no answer is none.
+  bool check_active() {
+    const auto state = client_->state(segue::monotonic_now() + kLook);
+    if (!state) return false;
+    if (*state == NodeState::Active) return true;
+    exception("the node is " + std::string(to_string(*state)) + ", not active");
+    return false;
+  }
 
   segue::Result<void> configure(const segue::type::Value& parameters) {
     auto made = LifecycleClient::make(shared_participant(), *managed_);
