@@ -70,7 +70,7 @@ TEST_P(ManagedNodes, ThatLieAreSaid) {
 }
 
 TEST_P(ManagedNodes, WhoseResponseIsLostAreReadAgain) {
-  EXPECT_EQ(configure(node_properties("8s")), "");
+  EXPECT_EQ(configure(node_properties("30s")), "");
   node.set_fault(Fault::AnswersNothing);
   EXPECT_TRUE(task.task().start(soon())) << "the state tells that it was done";
   EXPECT_EQ(node.state(), 3);

@@ -98,7 +98,7 @@ TEST_P(Services, CallsAtTheSameTimeGetTheirOwnResponses) {
 
 TEST_P(Services, AServerThatDoesNotAnswerEndsTheCallInTime) {
   RunningTask client("ros2::ServiceClient", "lamp");
-  client.run(client_properties("1s"));
+  client.run(client_properties("10s"));
   // The server has to be found within the time, too.
   ASSERT_TRUE(eventually([&] { return client.task().call("servers", {}, soon()).value().as_int() == 1; }));
   auto answer = call(client, Value::map({{"data", true}}));
