@@ -113,6 +113,7 @@ async function step(page) {
 async function peek(page) {
   const { state, seen, gone } = partsOf(page);
   const tip = page.getByRole('tooltip');
+  await stage.laidOut(page); // without the panel that was closed
   await state('drive').hover();
   await seen(tip.getByText('{"x":1000.0,"y":0.0}'));
   await stage.capture(page, 'steps_tip');
@@ -135,6 +136,7 @@ async function breakAndGoOn(page, other) {
   await state('plan/check').click();
   await panel('plan/check').getByRole('checkbox', { name: 'breakpoint' }).uncheck();
   await seen(mark('plan/check', false));
+  await stage.laidOut(page);
   await state('both/right/lift').hover();
   await mark('both/right/lift', false).click();
   await seen(mark('both/right/lift', true));

@@ -80,6 +80,13 @@ export class Stage {
     assert.fail('the robot does not run ' + controller);
   }
 
+  /** Waits until the graph of the page is laid out for the room that it has now; what is at the pointer afterwards stays there. */
+  async laidOut(page) {
+    // Observers of sizes report in the frame after the one in which something opened or closed.
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    await page.locator('.graph[aria-busy=false]').waitFor();
+  }
+
   /** The page of a studio beside the robot that runs. */
   async openPage() {
     this.studio = await this.startStudio();

@@ -143,7 +143,7 @@ export function PortGraph(props: Props) {
 }
 
 /** Where boxes and edges are; anew where the structure changes. */
-function usePortLayout({ groups, nodes, edges, selected, selectedEdge }: Props): Layout {
+function usePortLayout({ groups, nodes, edges, selected, selectedEdge }: Props): { layout: Layout; isBusy: boolean } {
   const structure = JSON.stringify([groups.map((group) => [group.id, group.group]), nodes.map((node) => [node.id, node.group, widthOf(node), anchorsOf(node.ports, headOf(node))]), edges.map((edge) => [edge.id, edge.source, edge.target])]);
   const input = () => {
     const known = new Map(nodes.map((node) => [node.id, { width: widthOf(node), height: heightOf(node), anchors: anchorsOf(node.ports, headOf(node)) }]));
@@ -199,14 +199,14 @@ const endsOf = (drawn: Connection | Edge) => [{ node: drawn.source, port: drawn.
 
 function Flow(props: Props) {
   const { label, groups, nodes, fixed, canConnect, onSelect, onEdge, onConnect, onRemove } = props;
-  const layout = usePortLayout(props);
+  const { layout, isBusy } = usePortLayout(props);
   const around = useMemo(() => new Map([...groups, ...nodes].map((one) => [one.id, one.group])), [groups, nodes]);
   const camera = useCamera({ layout, around, target: null, follow: null, selected: props.selected, first: nodes.find((node) => node.group === undefined)?.id });
   const placed = placedNodes(props, layout.boxes);
   const isEdited = (id: string) => nodes.some((node) => node.id === id) || groups.some((group) => group.id === id && group.isEdited);
   return (
     <div
-      className="graph edit-graph" role="region" aria-label={label}
+      className="graph edit-graph" role="region" aria-label={label} aria-busy={isBusy}
       onKeyDown={(event) => {
         const id = (event.target as HTMLElement).dataset['id'];
         if (event.key === 'Enter' && id && isEdited(id)) onSelect(id);

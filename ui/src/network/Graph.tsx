@@ -86,7 +86,7 @@ function useMoves() {
 
 function Flow(props: Props) {
   const { label, groups, nodes, edges, selected, target, follow, markKey, onPeek, tip } = props;
-  const layout = useGraphLayout(props);
+  const { layout, isBusy } = useGraphLayout(props);
   const { boxes, routes } = layout;
   const around = useMemo(() => new Map([...groups, ...nodes].map((one) => [one.id, one.group])), [groups, nodes]);
   const camera = useCamera({ layout, around, target, follow, selected, first: [...nodes, ...groups].find((one) => one.first && one.group === undefined)?.id });
@@ -100,7 +100,7 @@ function Flow(props: Props) {
   const pointer = { onNodeClick: click, onPaneClick: leave, onNodeMouseEnter: enter, onNodeMouseLeave: leaveNode };
   const keyboard = { onKeyDown: press, onFocus: focus, onBlur: leaveNode };
   return (
-    <div ref={frame} className="graph" role="region" aria-label={label}>
+    <div ref={frame} className="graph" role="region" aria-label={label} aria-busy={isBusy}>
       <BoxActionsContext value={buttons}>
         <ReactFlow
           nodes={drawn} edges={single} nodeTypes={nodeTypes} edgeTypes={edgeTypes} {...pointer} {...keyboard}

@@ -17,20 +17,22 @@ interface Shape {
 
 const differs = (now: Size, before: Size) => [now.width / before.width, now.height / before.height].some((ratio) => Math.abs(ratio - 1) > sameShape);
 
-/** The size of the pane, when it has come to rest. While the graph `isHeld`, only another size of the window counts. */
-function useShape(isHeld: boolean): Size | undefined {
+/** The size of the pane when it has come to rest, and whether it is that of now. While the graph `isHeld`, only another size of the window counts. */
+function useShape(isHeld: boolean): { shape: Size | undefined; isCurrent: boolean } {
   const width = useStore((store) => store.width);
   const height = useStore((store) => store.height);
   const [shape, setShape] = useState<Shape>();
+  const now: Shape = { pane: { width, height }, window: { width: window.innerWidth, height: window.innerHeight } };
+  const part = isHeld ? 'window' : 'pane';
+  const isCurrent = shape !== undefined && !differs(now[part], shape[part]);
   useEffect(() => {
-    if (width === 0 || height === 0) return undefined;
-    const now: Shape = { pane: { width, height }, window: { width: window.innerWidth, height: window.innerHeight } };
-    const part = isHeld ? 'window' : 'pane';
-    if (shape && !differs(now[part], shape[part])) return undefined;
+    if (width === 0 || height === 0 || isCurrent) return undefined;
     const timer = setTimeout(() => setShape(now), shape ? restsFor : 0);
     return () => clearTimeout(timer);
-  }, [width, height, shape, isHeld]);
-  return shape?.pane;
+    // `now` has the size and the window of this effect.
+    // eslint-disable-next-line react-hooks/exhaustive-deps
+  }, [width, height, shape, isCurrent]);
+  return { shape: shape?.pane, isCurrent };
 }
 
 export interface Laying {
@@ -43,16 +45,18 @@ export interface Laying {
   onCrowded?: () => boolean;
 }
 
-/** Where boxes and edges are. */
-export function useLayout({ structure, input, isHeld, onCrowded }: Laying): Layout {
+/** Where boxes and edges are; `isBusy`: they are laid out anew, and will move. */
+export function useLayout({ structure, input, isHeld, onCrowded }: Laying): { layout: Layout; isBusy: boolean } {
   const [layout, setLayout] = useState<Layout>(noLayout);
+  const [answered, setAnswered] = useState<{ structure: string; shape: Size }>();
   const layouter = useRef(new Layouter());
-  const shape = useShape(isHeld);
+  const { shape, isCurrent } = useShape(isHeld);
   useEffect(() => {
     if (!shape) return undefined;
     let current = true;
     layouter.current.ask({ ...input(), shape }, (found) => {
       if (!current) return;
+      setAnswered({ structure, shape });
       if (fittingZoom(found.size, shape) >= readable || !onCrowded?.()) setLayout(found);
     });
     return () => {
@@ -60,5 +64,5 @@ export function useLayout({ structure, input, isHeld, onCrowded }: Laying): Layo
     };
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [structure, shape]);
-  return layout;
+  return { layout, isBusy: !isCurrent || answered?.structure !== structure || answered.shape !== shape };
 }
