@@ -82,9 +82,7 @@ segue::Result<std::unique_ptr<LifecycleClient>> LifecycleClient::make(
   };
   for (const Service& service :
        {Service{made->change_state_, "change_state", "lifecycle_msgs/srv/ChangeState"},
-        Service{made->get_state_, "get_state", "lifecycle_msgs/srv/GetState"},
-        Service{made->set_parameters_, "set_parameters_atomically",
-                "rcl_interfaces/srv/SetParametersAtomically"}}) {
+        Service{made->get_state_, "get_state", "lifecycle_msgs/srv/GetState"}}) {
     auto requester = Requester::make(participant, library, node + "/" + service.name, service.interface);
     if (!requester) return requester.error();
     service.requester = std::move(*requester);
@@ -94,21 +92,12 @@ segue::Result<std::unique_ptr<LifecycleClient>> LifecycleClient::make(
 }
 
 std::vector<const Requester*> LifecycleClient::requesters() const {
-  return {change_state_.get(), get_state_.get(), set_parameters_.get()};
+  return {change_state_.get(), get_state_.get()};
 }
 
-std::vector<segue::ros2::Gid> LifecycleClient::publishers() const {
-  std::vector<segue::ros2::Gid> gids;
-  for (const Requester* requester : requesters())
-    gids.push_back(requester->publisher());
-  return gids;
-}
-
-std::vector<segue::ros2::Gid> LifecycleClient::subscriptions() const {
-  std::vector<segue::ros2::Gid> gids;
-  for (const Requester* requester : requesters())
-    gids.push_back(requester->subscription());
-  return gids;
+void LifecycleClient::cancel() {
+  for (Requester* requester : {change_state_.get(), get_state_.get()})
+    requester->allow(false);
 }
 
 segue::Result<NodeState> LifecycleClient::state(segue::TimePoint deadline) {
@@ -154,16 +143,6 @@ segue::Result<void> LifecycleClient::step(NodeState from, NodeState goal, segue:
   if (!response) return response.error();
   return fail(ErrorCode::InvalidState, "node " + node_ + (says_done ? " says that it did " : " refuses to ") +
                                            transition.verb + "; it is " + std::string(to_string(*read)));
-}
-
-segue::Result<void> LifecycleClient::set_parameters(const Value& request, segue::TimePoint deadline) {
-  auto response = set_parameters_->call(request, deadline);
-  if (!response) return response.error();
-  const Value& result = *response->find("result");
-  if (result.find("successful")->as_bool()) return {};
-  const std::string& reason = result.find("reason")->as_string();
-  return fail(ErrorCode::InvalidArgument,
-              "node " + node_ + " refuses its parameters" + (reason.empty() ? std::string() : ": " + reason));
 }
 
 }  // namespace ros2

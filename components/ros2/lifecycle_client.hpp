@@ -45,25 +45,21 @@ class LifecycleClient {
   /// late or wrong does no harm. InvalidState: the node refuses a transition, says that it did one that it
   /// did not, or is finalized; DeadlineExceeded: it is not there yet; Unavailable: it is not there at all.
   segue::Result<void> drive(NodeState goal, segue::TimePoint deadline);
-  /// All or none of them (rcl_interfaces/srv/SetParametersAtomically). InvalidArgument with the node's
-  /// reason.
-  segue::Result<void> set_parameters(const segue::type::Value& request, segue::TimePoint deadline);
+  /// Calls in progress and later ones end at once. Any thread.
+  void cancel();
 
   /// Whether the services of its life cycle are seen. That they are not is no proof that the node has ended.
   [[nodiscard]] bool is_seen() const { return get_state_->servers() > 0 && change_state_->servers() > 0; }
-  [[nodiscard]] std::vector<segue::ros2::Gid> publishers() const;
-  [[nodiscard]] std::vector<segue::ros2::Gid> subscriptions() const;
+  [[nodiscard]] std::vector<const Requester*> requesters() const;
 
  private:
   LifecycleClient() = default;
-  [[nodiscard]] std::vector<const Requester*> requesters() const;
   /// One transition on the way; whether it was done is read from the state.
   segue::Result<void> step(NodeState from, NodeState goal, segue::TimePoint deadline);
 
   std::string node_;
   std::unique_ptr<Requester> change_state_;
   std::unique_ptr<Requester> get_state_;
-  std::unique_ptr<Requester> set_parameters_;
 };
 
 }  // namespace ros2

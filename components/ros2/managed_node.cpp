@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lifecycle_client.hpp"
-#include "node_task.hpp"
+#include "node_proxy.hpp"
 
 #include <segue/base/text.hpp>
-#include <segue/ros2/dds_names.hpp>
-#include <segue/ros2/parameter_value.hpp>
-#include <segue/task/sub_state.hpp>
 
 #include <chrono>
 #include <memory>
@@ -14,97 +11,93 @@ namespace ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// How often the state of a running node is looked at.
-constexpr std::chrono::seconds kLook{1};
+/// How long a running node has for saying its state.
+constexpr std::chrono::seconds kAnswersWithin{1};
 
-/// A managed node of ROS 2 that runs somewhere, as a task: configure sets its parameters and configures it,
-/// start activates, stop deactivates, and cleanup cleans it up. Whatever state it is found in, it is taken to
-/// the one that is wanted. While it runs, its state is read every second: another one than active is an
-/// exception; that the node is not seen is an error, from which the task recovers when it is seen and active.
-class ManagedNode final : public NodeTask {
+/// A managed node of ROS 2 as a task: configure starts its process where that is wanted, sets its parameters
+/// and configures it, start activates, stop deactivates, and cleanup cleans up and ends what was started. A
+/// node that runs already is taken from whatever state it is in to the one that is wanted. While it runs, its
+/// state is read every second: another one than active is an exception, as is the end of its process; that
+/// the node is not seen is an error, from which the task recovers when it is seen and active.
+class ManagedNode final : public NodeProxy {
  public:
-  ManagedNode() : NodeTask({.doc = "Drives a managed node of ROS 2", .activity = segue::periodic(kLook)}) {}
+  ManagedNode() : NodeProxy("Drives a managed node of ROS 2") {}
 
  protected:
   segue::Result<void> on_configure() override {
-    if (*timeout_ <= std::chrono::nanoseconds(0))
-      return segue::fail(segue::ErrorCode::InvalidArgument, "timeout must be positive");
-    if (auto valid = segue::ros2::dds_topic_name(*managed_); !valid) {
-      return segue::fail(segue::ErrorCode::InvalidArgument,
-                         "managed: " + segue::quote(*managed_) + " is not a valid name of a node");
-    }
-    auto parameters = segue::ros2::parameters_request(parameters_.value(), "parameters");
-    if (!parameters) return parameters.error();
-    if (auto joined = join(); !joined) return joined;
-    if (auto done = configure(*parameters); !done) {
-      withdraw_client();
-      return done;
-    }
-    return {};
+    if (auto joined = join_checked(); !joined) return joined;
+    auto done = configure();
+    if (!done) let_go();
+    return done;
   }
 
-  segue::Result<void> on_start() override { return client_->drive(NodeState::Active, deadline()); }
+  segue::Result<void> on_start() override {
+    if (auto active = drive(NodeState::Active, deadline()); !active) return active;
+    return trigger_looks();
+  }
 
   void on_update() override {
+    if (!look()) return;
     if (!client_->is_seen()) return error(unseen_, "the services of its life cycle are not seen");
     check_active();
   }
 
   void on_error() override {
-    if (client_->is_seen() && check_active()) recovered();
+    if (look() && client_->is_seen() && check_active()) recovered();
   }
 
   void on_stop() override {
-    if (auto done = client_->drive(NodeState::Inactive, deadline()); !done)
+    if (auto done = drive(NodeState::Inactive, deadline()); !done)
       exception("the node cannot be deactivated: " + segue::to_string(done.error()));
   }
 
   void on_cleanup() override {
-    if (auto done = client_->drive(NodeState::Unconfigured, deadline()); !done)
-      log(segue::LogLevel::Warning, "the node cannot be cleaned up: " + segue::to_string(done.error()));
-    withdraw_client();
+    if (end_of_process().empty()) {
+      if (auto done = drive(NodeState::Unconfigured, deadline()); !done)
+        log(segue::LogLevel::Warning, "the node cannot be cleaned up: " + segue::to_string(done.error()));
+    }
+    let_go();
   }
 
  private:
-  [[nodiscard]] segue::TimePoint deadline() const { return segue::Deadline(*timeout_); }
-
   /// Whether the node says that it is active. Another state is an exception; no answer is none.
   bool check_active() {
-    const auto state = client_->state(segue::monotonic_now() + kLook);
+    const auto state = client_->state(segue::monotonic_now() + kAnswersWithin);
     if (!state) return false;
     if (*state == NodeState::Active) return true;
     exception("the node is " + std::string(to_string(*state)) + ", not active");
     return false;
   }
 
-  segue::Result<void> configure(const segue::type::Value& parameters) {
-    auto made = LifecycleClient::make(shared_participant(), *managed_);
+  segue::Result<void> configure() {
+    const segue::TimePoint end = deadline();
+    auto made = LifecycleClient::make(shared_participant(), node());
     if (!made) return made.error();
     client_ = std::move(*made);
-    announce(client_->publishers(), client_->subscriptions());
-    const segue::TimePoint end = deadline();
-    if (auto fresh = client_->drive(NodeState::Unconfigured, end); !fresh) return fresh;
-    if (!parameters.find("parameters")->as_list().empty()) {
-      if (auto set = client_->set_parameters(parameters, end); !set) return set;
-    }
-    return client_->drive(NodeState::Inactive, end);
+    if (auto started = start_node(end); !started) return started;
+    announce_requesters(client_->requesters());
+    if (auto fresh = drive(NodeState::Unconfigured, end); !fresh) return fresh;
+    if (auto set = set_parameters(end); !set) return set;
+    return drive(NodeState::Inactive, end);
   }
 
-  void withdraw_client() {
+  /// As LifecycleClient::drive(), until the process of the node ends.
+  segue::Result<void> drive(NodeState goal, segue::TimePoint end) {
+    segue::Result<void> done;
+    {
+      const Watch watch(started(), [this] { client_->cancel(); });
+      done = client_->drive(goal, end);
+    }
+    return done ? done : cause_of(std::move(done.error()));
+  }
+
+  void let_go() {
     if (client_ != nullptr) withdraw();
     client_.reset();
+    finish_node();
     leave();
   }
 
-  Property<std::string> managed_{*this, "managed", {}, {.doc = "name of the node: /robot/talker"}};
-  DynamicProperty parameters_{*this,
-                              "parameters",
-                              "",
-                              segue::type::Value::map({}),
-                              {.doc = "of the node, before it is configured: {rate: 10, pid: {gain: 0.5}}"}};
-  Property<std::chrono::nanoseconds> timeout_{
-      *this, "timeout", std::chrono::seconds(10), {.doc = "the longest time for each change of its state"}};
-  ErrorState unseen_{*this, "unseen"};
   std::unique_ptr<LifecycleClient> client_;
 };
 

@@ -12,7 +12,7 @@ using Numbers = std::vector<int>;
 
 ValueMap node_properties(const std::string& timeout = "60s") {
   ValueMap map;
-  map.append("managed", "/talker");
+  map.append("name", "/talker");
   map.append("domain", std::int64_t{own_domain()});
   map.append("discovery", "localhost");
   map.append("timeout", timeout);
@@ -122,7 +122,7 @@ TEST(ManagedNodeProperties, AreRefusedWithAReason) {
     const auto done = task.configure(values);
     return done ? std::string() : segue::to_string(done.error());
   };
-  EXPECT_THAT(refusal("managed", "a b"), HasSubstr("'a b' is not a valid name of a node"));
+  EXPECT_THAT(refusal("name", "a b"), HasSubstr("'a b' is not a valid name of a node"));
   EXPECT_THAT(refusal("parameters", 3), HasSubstr("expected a map of parameters"));
   EXPECT_THAT(refusal("timeout", "0s"), HasSubstr("timeout must be positive"));
 }

@@ -20,8 +20,13 @@ void respond(Peer& peer, const Request& request, const Bytes& response) {
 
 }  // namespace
 
-ManagedPeer::ManagedPeer(const std::function<std::unique_ptr<Peer>()>& make_peer)
-    : change_state_(make_peer()), get_state_(make_peer()), set_parameters_(make_peer()) {
+ManagedPeer::ManagedPeer(const std::function<std::unique_ptr<Peer>()>& make_peer, std::string node,
+                         std::function<void(int)> enters)
+    : node_(std::move(node)),
+      enters_(std::move(enters)),
+      change_state_(make_peer()),
+      get_state_(make_peer()),
+      set_parameters_(make_peer()) {
   serve();
   thread_ = std::thread([this] {
     for (bool served = true; !ends_; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
@@ -45,9 +50,9 @@ ManagedPeer::~ManagedPeer() {
 }
 
 void ManagedPeer::serve() {
-  change_state_->serve("/talker/change_state", "lifecycle_msgs/srv/ChangeState");
-  get_state_->serve("/talker/get_state", "lifecycle_msgs/srv/GetState");
-  set_parameters_->serve("/talker/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically");
+  change_state_->serve(node_ + "/change_state", "lifecycle_msgs/srv/ChangeState");
+  get_state_->serve(node_ + "/get_state", "lifecycle_msgs/srv/GetState");
+  set_parameters_->serve(node_ + "/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically");
 }
 
 segue::ros2::MessageCodec ManagedPeer::codec(const std::string& message) {
@@ -100,6 +105,7 @@ void ManagedPeer::answer_changes() {
 
 void ManagedPeer::change(int transition) {
   constexpr int kStates[] = {0, 2, 1, 3, 2};  // after configure, cleanup, activate, deactivate
+  enters_(transition);
   state_ = kStates[transition];
 }
 

@@ -15,7 +15,7 @@
 
 namespace ros2::testing {
 
-/// A managed node "/talker" of ROS 2, which answers in a thread of its own, with faults.
+/// A managed node of ROS 2, which answers in a thread of its own, with faults.
 class ManagedPeer {
  public:
   enum class Fault {
@@ -27,7 +27,10 @@ class ManagedPeer {
     DiesInConfigure  ///< its services leave, and nothing answers
   };
 
-  explicit ManagedPeer(const std::function<std::unique_ptr<Peer>()>& make_peer);
+  /// `enters` is called in each transition, with its number, before the state changes.
+  explicit ManagedPeer(
+      const std::function<std::unique_ptr<Peer>()>& make_peer, std::string node = "/talker",
+      std::function<void(int)> enters = [](int) {});
   ~ManagedPeer();
   ManagedPeer(const ManagedPeer&) = delete;
   ManagedPeer& operator=(const ManagedPeer&) = delete;
@@ -49,6 +52,8 @@ class ManagedPeer {
   void answer_changes();
   void change(int transition);
 
+  const std::string node_;
+  const std::function<void(int)> enters_;
   segue::ros2::InterfaceLibrary library_;
   segue::ros2::MessageCodec codec(const std::string& message);
   const segue::ros2::MessageCodec change_request_ = codec("lifecycle_msgs/srv/ChangeState_Request");

@@ -78,6 +78,7 @@ class Participant final : private dds::DomainParticipantListener,
   void forget_acknowledgements(const segue::ros2::Gid& writer);
   [[nodiscard]] bool has_acknowledged(const segue::ros2::Gid& reader, const segue::ros2::Gid& writer) const;
 
+  [[nodiscard]] const Settings& settings() const { return settings_; }
   [[nodiscard]] const segue::ros2::NodeGraph& graph() const { return graph_; }
   /// `changed` is called in a thread of Fast DDS, after the graph has changed, until `owner` is told to stop.
   void watch(const void* owner, std::function<void()> changed);

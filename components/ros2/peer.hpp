@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,5 +70,7 @@ enum class Middleware { FastDds, Cyclone };
 /// A participant of the domain, on the loopback device only.
 std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain);
 std::unique_ptr<Peer> make_cyclone_peer(std::uint32_t domain);
+/// Makes peers that share a participant, as the endpoints of a node do.
+std::function<std::unique_ptr<Peer>()> fast_peers_of_one_node(std::uint32_t domain);
 
 }  // namespace ros2::testing

@@ -22,7 +22,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -114,9 +116,9 @@ class Discovery final : public edds::DomainParticipantListener {
   std::map<std::string, std::string> user_data_ SEGUE_GUARDED_BY(mutex_);
 };
 
-class FastPeer final : public Peer {
- public:
-  explicit FastPeer(std::uint32_t domain) {
+/// A participant with what all its peers share.
+struct FastParticipant {
+  explicit FastParticipant(std::uint32_t domain) {
     // Both ends are in one process: what goes between them shall go as between two.
     eprosima::fastrtps::LibrarySettingsAttributes settings;
     settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
@@ -128,11 +130,33 @@ class FastPeer final : public Peer {
     udp->interfaceWhiteList = {"127.0.0.1"};
     quality.transport().use_builtin_transports = false;
     quality.transport().user_transports = {udp};
-    participant_ = edds::DomainParticipantFactory::get_instance()->create_participant(
-        domain, quality, &discovery_, edds::StatusMask::none());
-    if (participant_ == nullptr) std::abort();
-    publisher_ = participant_->create_publisher(edds::PublisherQos());
-    subscriber_ = participant_->create_subscriber(edds::SubscriberQos());
+    participant = edds::DomainParticipantFactory::get_instance()->create_participant(
+        domain, quality, &discovery, edds::StatusMask::none());
+    if (participant == nullptr) std::abort();
+    publisher = participant->create_publisher(edds::PublisherQos());
+    subscriber = participant->create_subscriber(edds::SubscriberQos());
+  }
+  ~FastParticipant() {
+    participant->set_listener(nullptr);
+    participant->delete_contained_entities();
+    edds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+  }
+  FastParticipant(const FastParticipant&) = delete;
+  FastParticipant& operator=(const FastParticipant&) = delete;
+
+  Discovery discovery;
+  edds::DomainParticipant* participant = nullptr;
+  edds::Publisher* publisher = nullptr;
+  edds::Subscriber* subscriber = nullptr;
+};
+
+class FastPeer final : public Peer {
+ public:
+  explicit FastPeer(std::shared_ptr<FastParticipant> participant)
+      : shared_(std::move(participant)),
+        participant_(shared_->participant),
+        publisher_(shared_->publisher),
+        subscriber_(shared_->subscriber) {
     Quality latched;
     latched.durability = segue::ros2::Durability::TransientLocal;
     latched.depth = 1;
@@ -140,11 +164,6 @@ class FastPeer final : public Peer {
     entities_out_ = publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, ""));
     latched.depth = 0;
     entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
-  }
-  ~FastPeer() override {
-    participant_->set_listener(nullptr);
-    participant_->delete_contained_entities();
-    edds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
   }
 
   void advertise(const TopicOf& wanted) override {
@@ -228,7 +247,7 @@ class FastPeer final : public Peer {
     in_->get_subscription_matched_status(status);
     return static_cast<std::uint32_t>(status.current_count);
   }
-  std::string user_data_of_publisher() override { return discovery_.user_data(subscribed_); }
+  std::string user_data_of_publisher() override { return shared_->discovery.user_data(subscribed_); }
 
  private:
   static std::uint32_t matched(const edds::DataWriter& writer) {
@@ -238,6 +257,7 @@ class FastPeer final : public Peer {
   }
   edds::Topic* topic(const std::string& name, const std::string& type) {
     edds::Topic*& made = topics_[name];
+    if (made == nullptr) made = static_cast<edds::Topic*>(participant_->lookup_topicdescription(name));
     if (made != nullptr) return made;
     edds::TypeSupport(new BytesType(type)).register_type(participant_);
     return made = participant_->create_topic(name, type, edds::TopicQos());
@@ -256,10 +276,10 @@ class FastPeer final : public Peer {
     return all;
   }
 
-  Discovery discovery_;
-  edds::DomainParticipant* participant_ = nullptr;
-  edds::Publisher* publisher_ = nullptr;
-  edds::Subscriber* subscriber_ = nullptr;
+  const std::shared_ptr<FastParticipant> shared_;
+  edds::DomainParticipant* const participant_;
+  edds::Publisher* const publisher_;
+  edds::Subscriber* const subscriber_;
   edds::DataWriter* entities_out_ = nullptr;
   edds::DataReader* entities_in_ = nullptr;
   edds::DataWriter* out_ = nullptr;
@@ -274,7 +294,13 @@ class FastPeer final : public Peer {
 }  // namespace
 
 std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain) {
-  return std::make_unique<FastPeer>(domain);
+  return std::make_unique<FastPeer>(std::make_shared<FastParticipant>(domain));
+}
+
+std::function<std::unique_ptr<Peer>()> fast_peers_of_one_node(std::uint32_t domain) {
+  return [participant = std::make_shared<FastParticipant>(domain)] {
+    return std::make_unique<FastPeer>(participant);
+  };
 }
 
 }  // namespace ros2::testing

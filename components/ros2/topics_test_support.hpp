@@ -2,6 +2,7 @@
 #pragma once
 
 #include "peer.hpp"
+#include "sanitizer_options.hpp"
 
 #include <segue/base/policy.hpp>
 #include <segue/sample_link/local.hpp>
@@ -9,7 +10,6 @@
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 
-#include <support/dds_suppressions.hpp>
 #include <support/eventually.hpp>
 #include <support/running_task.hpp>
 #include <support/temporary_files.hpp>
@@ -23,19 +23,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#ifdef SEGUE_SANITIZER_ADDRESS
-/// Fast DDS 2.9 deletes the listener of a best-effort writer as its base, whose destructor is virtual, with
-/// the size of the base.
-extern "C" [[gnu::used]] const char* __asan_default_options() {
-  return "new_delete_type_mismatch=0";
-}
-#endif
-#ifdef SEGUE_SANITIZER_THREAD
-extern "C" [[gnu::used]] const char* __tsan_default_suppressions() {
-  return segue::testing::kDdsSuppressions;
-}
-#endif
 
 /// The struct of a user who has the message as a C++ type.
 namespace std_msgs {

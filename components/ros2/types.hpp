@@ -4,8 +4,29 @@
 #include <segue/type/describe.hpp>
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace ros2 {
+
+/// Which process a node is in, where Segue starts it. Empty: it runs already.
+struct ProcessSettings {
+  std::string installation;  ///< its name in this computer's file of installations; empty: the only one
+  std::string package;
+  std::string executable;  ///< a program of the package, which is this node; or else:
+  std::string component;   ///< a plugin of the package ("nav2_planner::PlannerServer") that is loaded into:
+  std::string container;   ///< "/nav2_container", which is started with the first of its nodes
+  std::string container_program =
+      "rclcpp_components/component_container_isolated";  ///< empty: the container runs already
+  std::vector<std::string> remappings;                   ///< "scan:=/front/scan"
+  std::vector<std::string> arguments;                    ///< of the program
+
+  [[nodiscard]] bool is_empty() const { return package.empty(); }
+  friend bool operator==(const ProcessSettings&, const ProcessSettings&) = default;
+};
+
+SEGUE_TYPE(ProcessSettings, installation, package, executable, component, container, container_program,
+           remappings, arguments)
 
 /// All counted since the task was configured.
 struct PublisherStatistics {

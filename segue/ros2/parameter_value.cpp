@@ -3,7 +3,11 @@
 
 #include <segue/base/text.hpp>
 
+#include <segue/type/json.hpp>
+
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -71,7 +75,44 @@ Result<void> append(Value::List& parameters, const Value& value, const std::stri
   return {};
 }
 
+/// With a point or an exponent, by which it is a double.
+std::string yaml_number(double number) {
+  if (std::isnan(number)) return ".nan";
+  if (std::isinf(number)) return number > 0 ? ".inf" : "-.inf";
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+  std::string text(digits.data(), end);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// As ROS 2's reader of YAML 1.1 takes it, to which yes, 1e3 and 010 mean other things than here.
+std::string yaml_text(const Value& value) {
+  switch (value.kind()) {
+    case Value::Kind::Map: {
+      std::string text;
+      for (const auto& [key, part] : value.as_map())
+        text += (text.empty() ? "" : ", ") + type::to_json(Value(key), 0) + ": " + yaml_text(part);
+      return "{" + text + "}";
+    }
+    case Value::Kind::List: {
+      std::string text;
+      for (const Value& item : value.as_list())
+        text += (text.empty() ? "" : ", ") + yaml_text(item);
+      return "[" + text + "]";
+    }
+    case Value::Kind::Float:
+      return yaml_number(value.as_double());
+    default:
+      return type::to_json(value, 0);
+  }
+}
+
 }  // namespace
+
+std::string parameter_file(std::string_view node, const Value& parameters) {
+  return type::to_json(Value(node), 0) + ": {\"ros__parameters\": " + yaml_text(parameters) + "}\n";
+}
 
 Result<Value> parameters_request(const Value& parameters, std::string_view path) {
   Value::List list;

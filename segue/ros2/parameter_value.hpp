@@ -4,6 +4,7 @@
 #include <segue/base/result.hpp>
 #include <segue/type/value.hpp>
 
+#include <string>
 #include <string_view>
 
 namespace segue::ros2 {
@@ -14,5 +15,10 @@ namespace segue::ros2 {
 /// `path` begins the message of an error: InvalidArgument where a value is none that a parameter can have
 /// (null, lists of lists or of different kinds).
 Result<type::Value> parameters_request(const type::Value& parameters, std::string_view path);
+
+/// The same parameters of `node` ("/robot/talker") as the text of a parameter file, which ROS 2's programs
+/// take with
+/// --params-file. `parameters` must be one that parameters_request() takes.
+std::string parameter_file(std::string_view node, const type::Value& parameters);
 
 }  // namespace segue::ros2

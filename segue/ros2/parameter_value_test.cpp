@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 namespace segue::ros2 {
 namespace {
 
@@ -54,6 +56,19 @@ TEST(ParameterValues, ThatNoParameterCanHaveAreRefused) {
   EXPECT_THAT(error(Value::map({{"a", Value::list({1, 0.5})}})), HasSubstr("parameters.a"));
   EXPECT_THAT(error(Value::map({{"a", Value::list({Value::list({1})})}})), HasSubstr("parameters.a"));
   EXPECT_THAT(error(3), HasSubstr("parameters: expected a map of parameters"));
+}
+
+TEST(ParameterFiles, AreReadByYaml11AsTheyAreMeant) {
+  const Value parameters = Value::map({{"rate", 10},
+                                       {"gain", 2.0},
+                                       {"limit", 1e300},
+                                       {"off", std::numeric_limits<double>::infinity()},
+                                       {"on", "yes"},
+                                       {"pid", Value::map({{"order", Value::list({0.5, 1.0})}})}});
+  EXPECT_EQ(
+      parameter_file("/robot/arm", parameters),
+      "\"/robot/arm\": {\"ros__parameters\": {\"rate\": 10, \"gain\": 2.0, \"limit\": 1e+300, \"off\": .inf, "
+      "\"on\": \"yes\", \"pid\": {\"order\": [0.5, 1.0]}}}\n");
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ extern const char* const kDeploymentProgram;    ///< segue-deployment
 extern const char* const kOtherVersionProgram;  ///< segue-deployment of another version
 extern const char* const kTestProcess;          ///< what a process server starts in tests
 extern const char* const kPeer;                 ///< the other side of a test
+extern const char* const kNodeProgram;          ///< stands in for programs of ROS 2
 extern const char* const kWire;                 ///< impaired_wire
 extern const char* const kShiftedClock;         ///< shifted_clock
 extern const char* const kFonts;                ///< with which rover_film writes

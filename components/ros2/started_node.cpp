@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "started_node.hpp"
+
+#include "installation.hpp"
+
+#include <segue/base/mutex.hpp>
+#include <segue/base/text.hpp>
+#include <segue/ros2/parameter_value.hpp>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+namespace ros2 {
+namespace {
+
+using segue::ErrorCode;
+using segue::fail;
+using segue::quote;
+using segue::Result;
+using segue::type::Value;
+
+struct NodeName {
+  std::string name_space;
+  std::string name;
+};
+
+NodeName split(const std::string& node) {
+  const auto slash = node.rfind('/');
+  if (slash == std::string::npos) return {"/", node};
+  return {slash == 0 ? "/" : node.substr(0, slash), node.substr(slash + 1)};
+}
+
+/// The name of a file, which is none in another folder.
+bool is_name(const std::string& text) {
+  return !text.empty() && text.find('/') == std::string::npos && text != "." && text != "..";
+}
+
+/// "rclcpp_components/component_container" as package and program.
+std::pair<std::string, std::string> program_of_container(const std::string& text) {
+  const auto slash = std::min(text.find('/'), text.size());
+  return {text.substr(0, slash), text.substr(std::min(slash + 1, text.size()))};
+}
+
+/// A node's name as arguments of its program.
+std::vector<std::string> naming(const std::string& node) {
+  const NodeName name = split(node);
+  return {"--ros-args", "-r", "__node:=" + name.name, "-r", "__ns:=" + name.name_space};
+}
+
+Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, const ProcessSettings& process,
+                                                   const std::pair<std::string, std::string>& program,
+                                                   std::vector<std::string> arguments,
+                                                   std::string parameters) {
+  auto installation = find_installation(process.installation);
+  if (!installation) return installation.error();
+  auto path = installation->find_program(program.first, program.second);
+  if (!path) return path.error();
+  NodeProgram started{std::move(*path), std::move(arguments), std::move(installation->environment),
+                      std::move(parameters)};
+  started.environment.emplace_back("ROS_DOMAIN_ID", std::to_string(settings.domain));
+  if (settings.localhost_only) {
+    started.environment.emplace_back("ROS_LOCALHOST_ONLY", "1");  // before Iron
+    started.environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+  }
+  return NodeProcess::start(started);
+}
+
+Result<std::shared_ptr<NodeProcess>> start_own(const Settings& settings, const NodeStart& start) {
+  std::vector<std::string> arguments = start.process.arguments;
+  const auto named = naming(start.name);
+  arguments.insert(arguments.end(), named.begin(), named.end());
+  for (const std::string& remapping : start.process.remappings)
+    arguments.insert(arguments.end(), {"-r", remapping});
+  const bool has_parameters = start.parameters.is_map() && !start.parameters.as_map().empty();
+  auto process = start_program(
+      settings, start.process, {start.process.package, start.process.executable}, std::move(arguments),
+      has_parameters ? segue::ros2::parameter_file(start.name, start.parameters) : std::string());
+  if (!process) return process.error();
+  return std::shared_ptr<NodeProcess>(std::move(*process));
+}
+
+/// The containers that this process has started, by their names.
+struct Containers {
+  segue::Mutex mutex;
+  std::map<std::string, std::weak_ptr<NodeProcess>> processes SEGUE_GUARDED_BY(mutex);
+};
+
+Containers& containers() {
+  static Containers all;
+  return all;
+}
+
+/// That of others of this process, or a new one.
+Result<std::shared_ptr<NodeProcess>> share_container(const Settings& settings,
+                                                     const ProcessSettings& wanted) {
+  Containers& all = containers();
+  const segue::Lock lock(all.mutex);
+  auto& known = all.processes[wanted.container];
+  if (auto running = known.lock(); running && running->end().empty()) return running;
+  auto process = start_program(settings, wanted, program_of_container(wanted.container_program),
+                               naming(wanted.container), "");
+  if (!process) return process.error();
+  std::shared_ptr<NodeProcess> shared(std::move(*process));
+  known = shared;
+  return shared;
+}
+
+Value texts(const std::vector<std::string>& all) {
+  return Value(Value::List(all.begin(), all.end()));
+}
+
+}  // namespace
+
+Result<void> check(const ProcessSettings& process) {
+  const auto wrong = [](const std::string& text) {
+    return fail(ErrorCode::InvalidArgument, "process: " + text);
+  };
+  if (process.is_empty()) {
+    if (process == ProcessSettings{}) return {};
+    return wrong("it has no package");
+  }
+  if (process.executable.empty() == process.component.empty())
+    return wrong("either an executable or a component of package " + process.package + " is expected");
+  if (process.component.empty() != process.container.empty())
+    return wrong("a component needs a container, and a container a component");
+  const auto container = program_of_container(process.container_program);
+  for (const auto& [name, is_used] :
+       {std::pair(&process.package, true), std::pair(&process.executable, !process.executable.empty()),
+        std::pair(&container.first, !process.container_program.empty()),
+        std::pair(&container.second, !process.container_program.empty())}) {
+    if (is_used && !is_name(*name))
+      return wrong(quote(*name) + " is not a valid name of a package or a program");
+  }
+  for (const std::string& remapping : process.remappings) {
+    if (remapping.find(":=") == std::string::npos)
+      return wrong("remapping " + quote(remapping) + ": expected FROM:=TO");
+  }
+  return {};
+}
+
+Result<std::unique_ptr<StartedNode>> StartedNode::start(const std::shared_ptr<Participant>& participant,
+                                                        const NodeStart& start, segue::TimePoint deadline) {
+  std::unique_ptr<StartedNode> made(new StartedNode);
+  const bool is_loaded = !start.process.container.empty();
+  if (!is_loaded || !start.process.container_program.empty()) {
+    auto process = is_loaded ? share_container(participant->settings(), start.process)
+                             : start_own(participant->settings(), start);
+    if (!process) return process.error();
+    made->process_ = std::move(*process);
+  }
+  if (!is_loaded) return made;
+  if (auto loaded = made->load(participant, start, deadline); !loaded) return loaded.error();
+  return made;
+}
+
+Result<void> StartedNode::load(const std::shared_ptr<Participant>& participant, const NodeStart& start,
+                               segue::TimePoint deadline) {
+  segue::ros2::InterfaceLibrary library;
+  const std::string& container = start.process.container;
+  for (auto& [requester, name, interface] :
+       {std::tuple(&load_, "load_node", "LoadNode"), std::tuple(&unload_, "unload_node", "UnloadNode")}) {
+    auto made = Requester::make(participant, library, container + "/_container/" + name,
+                                std::string("composition_interfaces/srv/") + interface);
+    if (!made) return made.error();
+    *requester = std::move(*made);
+    (*requester)->allow(true);
+  }
+  auto parameters = segue::ros2::parameters_request(start.parameters, "parameters");
+  if (!parameters) return parameters.error();
+  const NodeName name = split(start.name);
+  watch([this] { load_->allow(false); });
+  auto response = load_->call(Value::map({{"package_name", start.process.package},
+                                          {"plugin_name", start.process.component},
+                                          {"node_name", name.name},
+                                          {"node_namespace", name.name_space},
+                                          {"remap_rules", texts(start.process.remappings)},
+                                          {"parameters", *parameters->find("parameters")}}),
+                              deadline);
+  stop_watching();
+  if (const std::string ended = end(); !ended.empty())
+    return fail(ErrorCode::InvalidState, "container " + container + " " + ended);
+  if (!response) return response.error();
+  if (!response->find("success")->as_bool()) {
+    return fail(ErrorCode::InvalidState, "container " + container + " does not load " +
+                                             start.process.component + ": " +
+                                             response->find("error_message")->as_string());
+  }
+  loaded_ = static_cast<std::uint64_t>(response->find("unique_id")->as_uint());
+  return {};
+}
+
+Result<void> StartedNode::unload(segue::TimePoint deadline) {
+  if (!loaded_ || !end().empty()) return {};
+  const Value request = Value::map({{"unique_id", *std::exchange(loaded_, std::nullopt)}});
+  watch([this] { unload_->allow(false); });
+  auto response = unload_->call(request, deadline);
+  stop_watching();
+  if (!end().empty()) return {};
+  if (!response) return response.error();
+  if (response->find("success")->as_bool()) return {};
+  return fail(ErrorCode::InvalidState,
+              "its container does not unload it: " + response->find("error_message")->as_string());
+}
+
+StartedNode::~StartedNode() {
+  stop_watching();
+}
+
+std::string StartedNode::end() const {
+  return process_ ? process_->end() : std::string();
+}
+
+/// The process where nobody else of this process is in it; else that goes on without this node.
+std::shared_ptr<NodeProcess> StartedNode::leave_process() {
+  Containers& all = containers();
+  const segue::Lock lock(all.mutex);
+  std::shared_ptr<NodeProcess> process = std::exchange(process_, nullptr);
+  if (process.use_count() > 1) return nullptr;
+  std::erase_if(all.processes, [&](const auto& each) { return each.second.lock() == process; });
+  return process;
+}
+
+Result<void> StartedNode::finish(segue::TimePoint deadline) {
+  auto unloaded = unload(deadline);
+  if (process_ == nullptr) return unloaded;
+  const auto process = leave_process();
+  auto finished = process == nullptr ? Result<void>() : process->finish(deadline);
+  return unloaded ? finished : unloaded;
+}
+
+void StartedNode::watch(std::function<void()> ended) {
+  if (process_) process_->watch(this, std::move(ended));
+}
+
+void StartedNode::stop_watching() {
+  if (process_) process_->stop_watching(this);
+}
+
+int StartedNode::descriptor() const {
+  return process_ ? process_->descriptor() : -1;
+}
+
+}  // namespace ros2

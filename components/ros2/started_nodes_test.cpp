@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "topics_test_support.hpp"
+
+#include <support/paths.hpp>
+#include <support/ros2_installation.hpp>
+
+#include <csignal>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+namespace ros2::testing {
+namespace {
+
+using segue::TaskState;
+using segue::testing::TemporaryFiles;
+using segue::type::Value;
+
+class StartedNodes : public ::testing::Test {
+ protected:
+  static ValueMap node(const std::string& executable, const std::string& name = "/planner") {
+    ValueMap map;
+    map.append("name", name);
+    map.append("domain", std::int64_t{own_domain()});
+    map.append("discovery", "localhost");
+    map.append("timeout", "60s");
+    map.append("process", Value::map({{"package", "test_nodes"}, {"executable", executable}}));
+    return map;
+  }
+  static ValueMap component(const std::string& name, const std::string& plugin = "test::Managed") {
+    ValueMap map = node("", name);
+    map["process"] = Value::map({{"package", "test_nodes"},
+                                 {"component", plugin},
+                                 {"container", "/container"},
+                                 {"remappings", Value::list({"scan:=/front"})}});
+    return map;
+  }
+  static std::string error_of(const segue::Result<void>& done) {
+    return done ? std::string() : segue::to_string(done.error());
+  }
+  [[nodiscard]] std::string noted(const std::string& name) const { return ros.noted(name); }
+  [[nodiscard]] pid_t pid_of(const std::string& name) const { return ros.pid_of(name); }
+  static bool is_gone(pid_t pid) {
+    return pid > 0 && eventually([&] { return ::kill(pid, 0) != 0; });
+  }
+
+  TemporaryFiles files;
+  segue::testing::Ros2Installation ros{files.folder(), segue::paths::kNodeProgram};
+};
+
+TEST_F(StartedNodes, AreConfiguredStartedStoppedAndEnded) {
+  RunningTask task("ros2::ManagedNode");
+  auto values = node("managed");
+  values["parameters"] = Value::map({{"rate", 10}, {"pid", Value::map({{"gain", 2.0}, {"on", "yes"}})}});
+  values["process"].as_map().set("remappings", Value::list({"scan:=/front/scan"}));
+  values["process"].as_map().set("arguments", Value::list({"--fast"}));
+  ASSERT_EQ(error_of(task.configure(values)), "");
+  EXPECT_EQ(noted("planner"),
+            "--fast\n--ros-args\n-r\n__node:=planner\n-r\n__ns:=/\n-r\nscan:=/front/scan\n--ros-args\n"
+            "--params-file\n/proc/self/fd/4\nrate: 10\npid: {gain: 2.0, 'on': 'yes'}\n");
+  ASSERT_EQ(error_of(task.task().start(soon())), "");
+  ASSERT_EQ(error_of(task.task().stop(soon())), "");
+  const pid_t pid = pid_of("planner");
+  EXPECT_EQ(::kill(pid, 0), 0);
+  ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
+  EXPECT_EQ(noted("planner.end"), "by SIGINT");
+  EXPECT_TRUE(is_gone(pid));
+}
+
+TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
+  RunningTask task("ros2::Node");
+  ASSERT_EQ(error_of(task.configure(node("talker"))), "");
+  EXPECT_EQ(noted("planner"), "(nothing)")
+      << "a node that acts as long as it lives must not be prepared ahead";
+  ASSERT_EQ(error_of(task.task().start(soon())), "");
+  const pid_t pid = pid_of("planner");
+  EXPECT_EQ(::kill(pid, 0), 0);
+  ASSERT_EQ(error_of(task.task().stop(soon())), "");
+  EXPECT_TRUE(is_gone(pid));
+  ASSERT_EQ(error_of(task.task().start(soon())), "");
+  EXPECT_NE(pid_of("planner"), pid);
+  ASSERT_EQ(error_of(task.task().stop(soon())), "");
+}
+
+TEST_F(StartedNodes, WithoutALifeCycleLiveFromConfigureOnWhereThatIsWanted) {
+  RunningTask task("ros2::Node");
+  auto values = node("talker");
+  values.append("ahead", true);
+  ASSERT_EQ(error_of(task.configure(values)), "");
+  const pid_t pid = pid_of("planner");
+  ASSERT_EQ(error_of(task.task().start(soon())), "");
+  ASSERT_EQ(error_of(task.task().stop(soon())), "");
+  EXPECT_EQ(::kill(pid, 0), 0);
+  ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
+  EXPECT_TRUE(is_gone(pid));
+}
+
+TEST_F(StartedNodes, ThatEndAtOnceAreSaidWithTheirStatus) {
+  RunningTask managed("ros2::ManagedNode");
+  EXPECT_THAT(error_of(managed.configure(node("fails"))),
+              HasSubstr("the process of node /planner ended with exit status 3"));
+  RunningTask other("ros2::Node");
+  ASSERT_EQ(error_of(other.configure(node("fails"))), "");
+  EXPECT_THAT(error_of(other.task().start(soon())),
+              HasSubstr("the process of node /planner ended with exit status 3"));
+}
+
+TEST_F(StartedNodes, ThatDieInConfigureAreSaidWithTheirSignal) {
+  RunningTask task("ros2::ManagedNode");
+  auto values = node("managed");
+  values["parameters"] = Value::map({{"dies_in_configure", true}});
+  EXPECT_THAT(error_of(task.configure(values)),
+              HasSubstr("the process of node /planner was killed by signal 9 (Killed)"));
+  EXPECT_EQ(task.task().state(), TaskState::PreOperational);
+}
+
+TEST_F(StartedNodes, WhoseProcessEndsBringAnException) {
+  for (const auto& [kind, program] :
+       {std::pair("ros2::ManagedNode", "managed"), std::pair("ros2::Node", "talker")}) {
+    RunningTask task(kind);
+    task.run(node(program));
+    ASSERT_EQ(task.task().state(), TaskState::Running);
+    ::kill(pid_of("planner"), SIGKILL);
+    EXPECT_TRUE(eventually([&] { return task.task().state() == TaskState::Exception; }));
+    EXPECT_THAT(task.task().error_message(), HasSubstr("was killed by signal 9"));
+    ASSERT_EQ(error_of(task.task().recover(soon())), "");
+    ASSERT_EQ(error_of(task.configure(node(program))), "") << "a new process";
+    ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
+  }
+}
+
+TEST_F(StartedNodes, ThatIgnoreSignalsAreKilledWithAllThatTheyHaveStarted) {
+  RunningTask task("ros2::Node");
+  auto values = node("stubborn");
+  values["timeout"] = "5s";
+  task.run(values);
+  ASSERT_EQ(task.task().state(), TaskState::Running);
+  const pid_t child = static_cast<pid_t>(std::atoi(noted("planner.child").c_str()));
+  ASSERT_EQ(::kill(child, 0), 0);
+  ASSERT_EQ(error_of(task.task().stop(soon())), "");
+  EXPECT_TRUE(is_gone(pid_of("planner")));
+  EXPECT_TRUE(is_gone(child));
+}
+
+TEST_F(StartedNodes, OfAContainerShareItsProcess) {
+  RunningTask first("ros2::ManagedNode", "first");
+  RunningTask second("ros2::ManagedNode", "second");
+  auto values = component("/robot/planner");
+  values["parameters"] = Value::map({{"rate", 10}});
+  ASSERT_EQ(error_of(first.configure(values)), "");
+  ASSERT_EQ(error_of(second.configure(component("/smoother"))), "");
+  EXPECT_EQ(noted("planner"), "scan:=/front\n{rate: 10}\n");
+  EXPECT_EQ(pid_of("planner"), pid_of("container"));
+  EXPECT_EQ(pid_of("smoother"), pid_of("container"));
+  ASSERT_EQ(error_of(first.task().start(soon())), "");
+  ASSERT_EQ(error_of(first.task().stop(soon())), "");
+  ASSERT_EQ(error_of(first.task().cleanup(soon())), "");
+  EXPECT_EQ(::kill(pid_of("container"), 0), 0) << "the other one is in it";
+  ASSERT_EQ(error_of(second.task().cleanup(soon())), "");
+  EXPECT_TRUE(is_gone(pid_of("container")));
+  EXPECT_EQ(noted("container.end"), "by SIGINT");
+}
+
+TEST_F(StartedNodes, ThatAContainerDoesNotKnowAreSaid) {
+  RunningTask task("ros2::ManagedNode");
+  EXPECT_THAT(error_of(task.configure(component("/planner", "test::Other"))),
+              HasSubstr("container /container does not load test::Other: there is no such plugin"));
+  EXPECT_TRUE(is_gone(pid_of("container")));
+}
+
+TEST_F(StartedNodes, OfAContainerThatEndsAllBringAnException) {
+  RunningTask first("ros2::ManagedNode", "first");
+  RunningTask second("ros2::ManagedNode", "second");
+  first.run(component("/planner"));
+  second.run(component("/smoother"));
+  ::kill(pid_of("container"), SIGKILL);
+  for (RunningTask* task : {&first, &second})
+    EXPECT_TRUE(eventually([&] { return task->task().state() == TaskState::Exception; }));
+}
+
+TEST_F(StartedNodes, ThatCannotBeFoundAreSaidWithWhatThereIs) {
+  const auto error = [](const char* key, const char* value) {
+    auto values = node("managed");
+    values["process"].as_map().set(key, value);
+    RunningTask task("ros2::ManagedNode");
+    return error_of(task.configure(values));
+  };
+  EXPECT_THAT(error("installation", "humble"),
+              HasSubstr("installation 'humble' is not known; there are jazzy"));
+  EXPECT_THAT(error("package", "nav2_planner"),
+              HasSubstr("installation jazzy has no programs of a package 'nav2_planner'"));
+  EXPECT_THAT(error("executable", "talk"),
+              HasSubstr("package test_nodes of installation jazzy has no program 'talk'; it has "));
+  EXPECT_THAT(error("executable", "../../../bin/sh"),
+              HasSubstr("'../../../bin/sh' is not a valid name of a package or a program"));
+  EXPECT_THAT(error("component", "test::Managed"),
+              HasSubstr("either an executable or a component of package test_nodes is expected"));
+}
+
+TEST_F(StartedNodes, AreNotStartedFromWhatIsNoInstallation) {
+  const auto error = [&](const std::string& text) {
+    ros.write("ros2.yaml", text);
+    RunningTask task("ros2::ManagedNode");
+    return error_of(task.configure(node("managed")));
+  };
+  EXPECT_THAT(error("installations: {other: {prefix: nowhere}}"), HasSubstr("nowhere' has no setup.sh"));
+  ros.write("other/setup.sh", "true\n");
+  EXPECT_THAT(error("installations: {other: {prefix: other}}"), HasSubstr("does not set AMENT_PREFIX_PATH"));
+  EXPECT_THAT(error("installations: {other: {folder: other}}"), HasSubstr("'folder' is not a valid prefix"));
+  EXPECT_THAT(error("installations: {a: {prefix: jazzy}, b: {prefix: jazzy}}"),
+              HasSubstr("name one of the installations of ROS 2: a, b"));
+}
+
+}  // namespace
+}  // namespace ros2::testing

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nodes of ROS 2 that a robot starts, through the real command line.
+#include <support/ros2_installation.hpp>
+
+#include <gmock/gmock.h>
+
+#include "../system/system_test.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace segue::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::vector<std::string> kServers = {"amcl",
+                                           "behavior_server",
+                                           "bt_navigator",
+                                           "collision_monitor",
+                                           "controller_server",
+                                           "global_costmap",
+                                           "local_costmap",
+                                           "map_server",
+                                           "planner_server",
+                                           "smoother_server",
+                                           "velocity_smoother",
+                                           "waypoint_follower"};
+
+/// A set of managed nodes as Nav2 has it: each is in a process of its own.
+class NavigationServers : public SystemTest {
+ protected:
+  void SetUp() override {
+    SystemTest::SetUp();
+    ros = std::make_unique<Ros2Installation>(folder_, segue::paths::kNodeProgram);
+    ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 231).c_str(), 1);
+    ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
+    write("rover/robot.yaml",
+          "robot: rover\nlibraries: [segue_components_ros2]\ncontrollers: [controllers/*.yaml]\n");
+    write("rover/controllers/idle.yaml", "tasks: {}\n");
+    write("rover/controllers/navigate.yaml", network("meets: " + std::to_string(kServers.size()), ""));
+    write("rover/controllers/broken.yaml", network("rate: 1", "dies_in_configure: true"));
+    start();
+  }
+  void TearDown() override {
+    SystemTest::TearDown();
+    ros.reset();
+  }
+
+  /// All servers, and one more where `parameters_of_other` are given.
+  static std::string network(const std::string& parameters, const std::string& parameters_of_other) {
+    std::string tasks;
+    std::string names;
+    const auto add = [&](const std::string& name, const std::string& with) {
+      tasks += "  " + name + ": {component: 'ros2::ManagedNode', properties: {name: /" + name +
+               ", timeout: 100s, process: {package: test_nodes, executable: managed}, parameters: {" + with +
+               "}}}\n";
+      names += (names.empty() ? "" : ", ") + name;
+    };
+    for (const std::string& server : kServers)
+      add(server, parameters);
+    if (!parameters_of_other.empty()) add("other", parameters_of_other);
+    return "tasks:\n" + tasks + "deployments: {ros2: {tasks: [" + names + "]}}\n";
+  }
+  std::map<std::string, pid_t> pids() const {
+    std::map<std::string, pid_t> all;
+    for (const std::string& server : kServers)
+      all[server] = ros->pid_of(server);
+    return all;
+  }
+  static bool are_gone(const std::map<std::string, pid_t>& all) {
+    return eventually([&] {
+      return std::ranges::all_of(all, [](const auto& each) { return ::kill(each.second, 0) != 0; });
+    });
+  }
+
+  std::unique_ptr<Ros2Installation> ros;
+};
+
+TEST_F(NavigationServers, AreConfiguredAllAtOnce) {
+  const auto finished = segue({"switch", "navigate", "--timeout", "120s"});
+  ASSERT_EQ(finished.status, 0) << finished.output << finished.errors
+                                << "each of them waits in configure until all are there";
+  const auto before = pids();
+  EXPECT_EQ(segue({"switch", "idle"}).status, 0);
+  EXPECT_TRUE(are_gone(before));
+}
+
+TEST_F(NavigationServers, AreBroughtBackOneByOne) {
+  ASSERT_EQ(segue({"switch", "navigate", "--timeout", "120s"}).status, 0);
+  auto before = pids();
+  ::kill(before["amcl"], SIGKILL);
+  ASSERT_TRUE(eventually([&] { return segue({"status"}).output.find("exception") != std::string::npos; }));
+  const auto finished = segue({"switch", "navigate", "--timeout", "120s"});
+  ASSERT_EQ(finished.status, 0) << finished.output << finished.errors;
+  auto after = pids();
+  EXPECT_NE(after["amcl"], before["amcl"]);
+  before.erase("amcl");
+  after.erase("amcl");
+  EXPECT_EQ(after, before) << "the others go on";
+}
+
+TEST_F(NavigationServers, AreAllUndoneWhereOneFails) {
+  const auto finished = segue({"switch", "broken", "--timeout", "120s"});
+  EXPECT_NE(finished.status, 0);
+  EXPECT_THAT(finished.output + finished.errors,
+              HasSubstr("the process of node /other was killed by signal 9"));
+  EXPECT_TRUE(are_gone(pids()));
+}
+
+TEST_F(NavigationServers, EndWithTheProcessThatHasStartedThem) {
+  ASSERT_EQ(segue({"switch", "navigate", "--timeout", "120s"}).status, 0);
+  const auto before = pids();
+  for (const auto& [pid, program] : processes_of(folder_ / "runtime"))
+    ::kill(pid, SIGKILL);
+  EXPECT_TRUE(are_gone(before));
+}
+
+}  // namespace
+}  // namespace segue::testing
