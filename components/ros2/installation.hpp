@@ -15,7 +15,7 @@ namespace ros2 {
 struct Installation {
   std::string name;
   std::filesystem::path prefix;
-  /// What its setup.sh sets, and then the file of installations. Names are unique.
+  /// Variables that its setup.sh sets, and then the file of installations. Names are unique.
   std::vector<std::pair<std::string, std::string>> environment;
 
   /// The program of a package: PREFIX/lib/PACKAGE/EXECUTABLE, in this prefix or in those that it builds upon.

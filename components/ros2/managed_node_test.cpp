@@ -94,6 +94,22 @@ TEST_P(ManagedNodes, ThatRefuseParametersAreNotConfigured) {
   EXPECT_EQ(node.state(), 1);
 }
 
+TEST_P(ManagedNodes, GetParametersWhileTheyRunOrRefuseThem) {
+  EXPECT_EQ(configure(node_properties()), "");
+  ASSERT_TRUE(task.task().start(soon()));
+  const auto set = [&](const char* name, int value) {
+    const auto done =
+        task.task().set_properties(Value::map({{"parameters", Value::map({{name, value}})}}), soon());
+    return done ? std::string() : segue::to_string(done.error());
+  };
+  EXPECT_EQ(set("rate", 20), "");
+  EXPECT_THAT(node.parameters(), ElementsAre("rate: 20"));
+  EXPECT_THAT(set("unknown", 1),
+              HasSubstr("node /talker refuses its parameters: parameter 'unknown' has not been declared"));
+  EXPECT_EQ(task.task().properties().find("parameters")->find("rate")->as_int(), 20);
+  EXPECT_EQ(node.transitions(), (Numbers{1, 3})) << "it goes on";
+}
+
 TEST_P(ManagedNodes, ThatLeaveTheirStateBringAnException) {
   EXPECT_EQ(configure(node_properties()), "");
   ASSERT_TRUE(task.task().start(soon()));

@@ -71,10 +71,27 @@ Result<void> NodeProxy::make_parameter_client() {
 }
 
 Result<void> NodeProxy::set_parameters(segue::TimePoint deadline) {
-  if (!parameter_client_) return {};
-  auto request = segue::ros2::parameters_request(parameters_.value(), "parameters");
+  return parameter_client_ ? request_parameters(parameters_.value(), deadline) : Result<void>();
+}
+
+Result<void> NodeProxy::request_parameters(const Value& parameters, segue::TimePoint deadline) {
+  auto request = segue::ros2::parameters_request(parameters, "parameters");
   if (!request) return request.error();
-  return parameter_client_->set(*request, deadline);
+  Result<void> done;
+  {
+    const Watch watch(started_.get(), [this] { parameter_client_->cancel(); });
+    done = parameter_client_->set(*request, deadline);
+  }
+  return done ? done : cause_of(std::move(done.error()));
+}
+
+Result<void> NodeProxy::set_live(const Value& parameters) {
+  if (starts_node() && !started_) return {};  // it gets them when it is started
+  if (!parameter_client_) {
+    if (auto made = make_parameter_client(); !made) return made;
+    announce_requesters(requesters_);
+  }
+  return request_parameters(parameters, deadline());
 }
 
 segue::Error NodeProxy::cause_of(segue::Error failure) const {
@@ -104,6 +121,7 @@ bool NodeProxy::look() {
 }
 
 void NodeProxy::announce_requesters(std::vector<const Requester*> requesters) {
+  requesters_ = requesters;
   if (parameter_client_) requesters.push_back(&parameter_client_->requester());
   std::vector<segue::ros2::Gid> publishers;
   std::vector<segue::ros2::Gid> subscriptions;

@@ -53,6 +53,8 @@ class NodeProxy : public NodeTask {
 
  private:
   segue::Result<void> make_parameter_client();
+  segue::Result<void> request_parameters(const segue::type::Value& parameters, segue::TimePoint deadline);
+  segue::Result<void> set_live(const segue::type::Value& parameters);
 
   segue::task::Property<std::string> name_{*this, "name", {}, {.doc = "name of the node: /robot/talker"}};
   segue::task::Property<ProcessSettings> process_{
@@ -60,15 +62,19 @@ class NodeProxy : public NodeTask {
       "process",
       {},
       {.doc = "how the node is started: {package: .., executable: ..}; empty: it runs already"}};
-  segue::task::DynamicProperty parameters_{*this,
-                                           "parameters",
-                                           "",
-                                           segue::type::Value::map({}),
-                                           {.doc = "of the node: {rate: 10, pid: {gain: 0.5}}"}};
+  segue::task::DynamicProperty parameters_{
+      *this,
+      "parameters",
+      "",
+      segue::type::Value::map({}),
+      {.live = true,
+       .doc = "of the node: {rate: 10, pid: {gain: 0.5}}",
+       .on_live_set = [this](const segue::type::Value& value) { return set_live(value); }}};
   segue::task::Property<std::chrono::nanoseconds> timeout_{
       *this, "timeout", std::chrono::seconds(10), {.doc = "the longest time for each change of its state"}};
   std::unique_ptr<StartedNode> started_;
   std::unique_ptr<ParameterClient> parameter_client_;
+  std::vector<const Requester*> requesters_;  ///< of the node's services, beside those for parameters
   segue::Descriptor timer_;
 };
 

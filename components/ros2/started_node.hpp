@@ -17,7 +17,7 @@
 
 namespace ros2 {
 
-/// What a node is started with.
+/// A node's name, place and parameters.
 struct NodeStart {
   std::string name;  ///< "/robot/talker"
   ProcessSettings process;

@@ -70,7 +70,7 @@ TEST_F(StartedNodes, AreConfiguredStartedStoppedAndEnded) {
 TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
   RunningTask task("ros2::Node");
   ASSERT_EQ(error_of(task.configure(node("talker"))), "");
-  EXPECT_EQ(noted("planner"), "(nothing)")
+  EXPECT_EQ(noted("planner"), "(not noted)")
       << "a node that acts as long as it lives must not be prepared ahead";
   ASSERT_EQ(error_of(task.task().start(soon())), "");
   const pid_t pid = pid_of("planner");

@@ -20,6 +20,11 @@ class Component;
 struct PropertyOptions {
   bool live = false;  ///< may be set while the task is Stopped or Running; else in PreOperational only
   std::string doc{};
+  /// Of a live property: called before it is set in Stopped, Running or RunTimeError, between updates, with
+  /// the value as it was given (of a compound perhaps a part). A failure refuses it, and nothing is set.
+  /// Applies the value elsewhere, such as in a device; on_configure does so before. (The setter of a dynamic
+  /// property of oroGen.)
+  std::function<Result<void>(const type::Value& value)> on_live_set{};
 };
 
 /// A named setting of a component. Set through its task only, between updates; hooks read it like a plain
@@ -36,6 +41,8 @@ class PropertyBase {
   [[nodiscard]] const std::string& type_name() const { return type_name_; }
   [[nodiscard]] bool live() const { return options_.live; }
   [[nodiscard]] const std::string& doc() const { return options_.doc; }
+  /// PropertyOptions::on_live_set; empty: none.
+  [[nodiscard]] const auto& on_live_set() const { return options_.on_live_set; }
 
   [[nodiscard]] virtual type::Value value() const = 0;
   [[nodiscard]] virtual type::Value default_value() const = 0;

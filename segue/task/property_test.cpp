@@ -40,6 +40,47 @@ TEST_F(Properties, OnlyLiveOnesMayBeSetOnceConfigured) {
   }
 }
 
+/// Applies a live property to a device, which refuses negative values.
+class Amplifier final : public Component {
+ public:
+  Amplifier() : Component(ComponentOptions{}) {}
+  double applied = 0;
+  const Property<double> gain{*this, "gain", 1.0, {.live = true, .on_live_set = [this](const Value& value) {
+                                                     return apply(value.as_double());
+                                                   }}};
+  const Property<int> rate{*this, "rate", 1, {.live = true}};
+
+ protected:
+  Result<void> on_configure() override { return apply(*gain); }
+
+ private:
+  Result<void> apply(double wanted) {
+    if (wanted > 100) throw std::runtime_error("too loud");
+    if (wanted < 0) return fail(ErrorCode::InvalidArgument, "the device refuses it");
+    applied = wanted;
+    return {};
+  }
+};
+
+TEST(LiveProperties, AreAppliedByTheComponentOrRefused) {
+  auto made = std::make_unique<Amplifier>();
+  Amplifier& amplifier = *made;
+  const auto task = Task::create("amplifier", std::move(made)).value();
+  const auto set = [&](const Value& values) {
+    const auto done = task->set_properties(values, soon());
+    return done ? std::string() : to_string(done.error());
+  };
+  EXPECT_EQ(set(Value::map({{"gain", 2.0}})), "");
+  EXPECT_EQ(amplifier.applied, 0) << "on_configure applies it";
+  ASSERT_TRUE(task->configure(soon()));
+  EXPECT_EQ(amplifier.applied, 2.0);
+  EXPECT_EQ(set(Value::map({{"gain", 3.0}})), "");
+  EXPECT_EQ(amplifier.applied, 3.0);
+  EXPECT_EQ(set(Value::map({{"rate", 7}, {"gain", -1.0}})), "amplifier: the device refuses it");
+  EXPECT_EQ(set(Value::map({{"gain", 200.0}})), "amplifier: setting 'gain' threw: too loud");
+  EXPECT_EQ(task->properties(), Value::map({{"gain", 3.0}, {"rate", 1}})) << "all or nothing";
+}
+
 TEST_F(Properties, WrongValueChangesNothingAndNamesItsPath) {
   const Result<void> set = task->set_properties(Value::map({{"device", "/dev/y"}, {"gain", "far"}}), soon());
   ASSERT_FALSE(set);

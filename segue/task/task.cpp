@@ -259,6 +259,56 @@ std::string Task::error_message() const {
   return implementation_->message.load();
 }
 
+namespace {
+
+/// A property and the value that it is to get.
+struct Change {
+  PropertyBase* property;
+  const type::Value* value;
+  std::unique_ptr<PropertyBase::Staged> staged;
+};
+
+/// All changes, each of which is checked.
+Result<std::vector<Change>> stage_all(const Component& component, const type::ValueMap& values) {
+  std::vector<Change> changes;
+  for (const auto& [name, value] : values) {
+    PropertyBase* property = component.find_property(name);
+    if (property == nullptr) {
+      return fail(ErrorCode::NotFound, "there is no property " + quote(name) +
+                                           did_you_mean(name, names_of(component.properties())));
+    }
+    auto staged = property->stage(value, "properties." + name);
+    if (!staged) return std::move(staged.error());
+    changes.push_back({property, &value, std::move(*staged)});
+  }
+  return changes;
+}
+
+/// Lets the component apply live values where it wants to.
+Result<void> tell_component(const std::vector<Change>& changes) {
+  for (const Change& change : changes) {
+    const auto& hook = change.property->on_live_set();
+    if (!hook) continue;
+    try {
+      if (auto done = hook(*change.value); !done) return done;
+    } catch (const std::exception& thrown) {
+      return fail(ErrorCode::HookFailed,
+                  "setting " + quote(change.property->name()) + " threw: " + thrown.what());
+    } catch (...) {
+      return fail(ErrorCode::HookFailed, "setting " + quote(change.property->name()) +
+                                             " threw something other than a std::exception");
+    }
+  }
+  return {};
+}
+
+Error about(const std::string& task, Error error) {
+  error.subject = task;
+  return error;
+}
+
+}  // namespace
+
 Result<void> Task::set_properties(const type::Value& values, Deadline deadline) {
   Implementation& self = *implementation_;
   if (!values.is_map()) {
@@ -267,35 +317,25 @@ Result<void> Task::set_properties(const type::Value& values, Deadline deadline) 
   }
   const Lock lock(*self.properties_mutex);
   // Staged before the task is locked and freed afterwards, so that updates wait for the swap only.
-  std::vector<std::unique_ptr<PropertyBase::Staged>> staged;
+  auto changes = stage_all(*self.component, values.as_map());
+  if (!changes) return about(self.name, std::move(changes.error()));
   std::vector<std::string> not_live;
-  for (const auto& [name, value] : values.as_map()) {
-    PropertyBase* property = self.component->find_property(name);
-    if (property == nullptr) {
-      return fail(
-          ErrorCode::NotFound,
-          "there is no property " + quote(name) + did_you_mean(name, names_of(self.component->properties())),
-          self.name);
-    }
-    if (!property->live()) not_live.push_back(quote(name));
-    auto checked = property->stage(value, "properties." + name);
-    if (!checked) {
-      Error error = std::move(checked.error());
-      error.subject = self.name;
-      return error;
-    }
-    staged.push_back(std::move(*checked));
+  for (const Change& change : *changes) {
+    if (!change.property->live()) not_live.push_back(quote(change.property->name()));
   }
   return self.exclusive("set properties of", deadline, [&]() -> Result<void> {
     if (self.state() == TaskState::Fatal) return self.illegal("set properties", "another state");
-    if (is_configured(self.state()) && !not_live.empty()) {
-      return fail(ErrorCode::InvalidState,
-                  "cannot set " + listed(not_live) + " in " + self.state_name() +
-                      ": not live; clean the task up first",
-                  self.name);
+    if (is_configured(self.state())) {
+      if (!not_live.empty()) {
+        return fail(ErrorCode::InvalidState,
+                    "cannot set " + listed(not_live) + " in " + self.state_name() +
+                        ": not live; clean the task up first",
+                    self.name);
+      }
+      if (auto told = tell_component(*changes); !told) return about(self.name, std::move(told.error()));
     }
-    for (const auto& one : staged)
-      one->apply();
+    for (const Change& change : *changes)
+      change.staged->apply();
     if (self.is_timed()) self.trigger_on_release |= Job::kTimer;
     return {};
   });

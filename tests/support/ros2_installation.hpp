@@ -39,7 +39,7 @@ class Ros2Installation {
   }
   /// What a node has noted.
   [[nodiscard]] std::string noted(const std::string& name) const {
-    return read_file(folder_ / name).value_or("(nothing)");
+    return read_file(folder_ / name).value_or("(not noted)");
   }
   /// 0: there is none with that name.
   [[nodiscard]] pid_t pid_of(const std::string& node) const {
