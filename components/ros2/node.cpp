@@ -67,11 +67,11 @@ class Node final : public NodeProxy {
   }
 
   segue::Result<void> wait_until_seen(segue::TimePoint end) {
-    constexpr std::chrono::milliseconds kPause{10};
+    constexpr std::chrono::milliseconds kBetweenLooks{10};
     while (!is_seen()) {
       const bool is_late = segue::monotonic_now() >= end;
       if (!is_late && end_of_process().empty()) {
-        std::this_thread::sleep_for(kPause);
+        std::this_thread::sleep_for(kBetweenLooks);
         continue;
       }
       return cause_of(segue::fail(segue::ErrorCode::Unavailable, "node " + node() + " is not seen"));
