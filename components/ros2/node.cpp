@@ -3,7 +3,6 @@
 
 #include <segue/base/text.hpp>
 
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <thread>
@@ -51,10 +50,7 @@ class Node final : public NodeProxy {
   void on_cleanup() override { let_go(); }
 
  private:
-  [[nodiscard]] bool is_seen() const {
-    const auto nodes = shared_participant()->graph().nodes();
-    return std::ranges::find(nodes, node()) != nodes.end();
-  }
+  [[nodiscard]] bool is_seen() const { return shared_participant()->sees_node(node()); }
 
   /// Starts the node, or finds it and sets its parameters, where this is the time for it.
   segue::Result<void> begin(bool is_time) {

@@ -43,7 +43,7 @@ Result<void> NodeProxy::join_checked() {
   if (auto checked = check(*process_); !checked) return checked;
   if (auto request = segue::ros2::parameters_request(parameters_.value(), "parameters"); !request)
     return request.error();
-  return join();
+  return join("segue_");  // beside the node, which may have the name of the task
 }
 
 Result<void> NodeProxy::start_node(segue::TimePoint deadline) {

@@ -70,8 +70,8 @@ segue::Result<Settings> NodeTask::wanted_settings() const {
   return settings;
 }
 
-segue::Result<void> NodeTask::name_node() {
-  const std::string text = node_text_->empty() ? node_name_of(id()) : *node_text_;
+segue::Result<void> NodeTask::name_node(std::string_view prefix) {
+  const std::string text = node_text_->empty() ? std::string(prefix) + node_name_of(id()) : *node_text_;
   if (auto valid = segue::ros2::dds_topic_name(text); !valid) {
     return fail(ErrorCode::InvalidArgument,
                 quote(text) +
@@ -86,8 +86,8 @@ segue::Result<void> NodeTask::name_node() {
   return {};
 }
 
-segue::Result<void> NodeTask::join() {
-  if (auto named = name_node(); !named) return named;
+segue::Result<void> NodeTask::join(std::string_view prefix) {
+  if (auto named = name_node(prefix); !named) return named;
   auto settings = wanted_settings();
   if (!settings) return settings.error();
   auto joined = Participant::join(*settings);

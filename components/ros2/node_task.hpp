@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ros2 {
@@ -19,8 +20,9 @@ class NodeTask : public segue::task::Component {
  protected:
   explicit NodeTask(const segue::task::ComponentOptions& options) : Component(options) {}
 
-  /// Reads the properties and joins ROS 2. Enters Exception where Fast DDS cannot start.
-  segue::Result<void> join();
+  /// Reads the properties and joins ROS 2, as a node named after the task, with `prefix` before its name,
+  /// unless the property says otherwise. Enters Exception where Fast DDS cannot start.
+  segue::Result<void> join(std::string_view prefix = {});
   /// Tells others which endpoints are those of this task.
   void announce(std::vector<segue::ros2::Gid> publishers, std::vector<segue::ros2::Gid> subscriptions);
   void withdraw();
@@ -35,7 +37,7 @@ class NodeTask : public segue::task::Component {
 
  private:
   [[nodiscard]] segue::Result<Settings> wanted_settings() const;
-  segue::Result<void> name_node();
+  segue::Result<void> name_node(std::string_view prefix);
 
   segue::task::Property<std::vector<std::string>> interfaces_{
       *this, "interfaces", {}, {.doc = "folders with interface packages, before those that are built in"}};

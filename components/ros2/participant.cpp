@@ -186,6 +186,10 @@ Participant::~Participant() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
+bool Participant::sees_node(std::string_view name) const {
+  return graph_.has_node(name, gid_of(participant_->guid()));
+}
+
 segue::Result<dds::Topic*> Participant::use(const TopicName& name) {
   const segue::Lock lock(topics_mutex_);
   UsedTopic& used = topics_[name.topic];

@@ -23,6 +23,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ros2 {
@@ -80,6 +81,8 @@ class Participant final : private dds::DomainParticipantListener,
 
   [[nodiscard]] const Settings& settings() const { return settings_; }
   [[nodiscard]] const segue::ros2::NodeGraph& graph() const { return graph_; }
+  /// Whether a participant of another process has that node ("/talker").
+  [[nodiscard]] bool sees_node(std::string_view name) const;
   /// `changed` is called in a thread of Fast DDS, after the graph has changed, until `owner` is told to stop.
   void watch(const void* owner, std::function<void()> changed);
   /// No call is made any more once it returns; not to be called by `changed`.

@@ -99,7 +99,7 @@ TEST_F(StartedNodes, ThatEndAtOnceAreSaidWithTheirStatus) {
   RunningTask managed("ros2::ManagedNode");
   EXPECT_THAT(error_of(managed.configure(node("fails"))),
               HasSubstr("the process of node /planner ended with exit status 3"));
-  RunningTask other("ros2::Node");
+  RunningTask other("ros2::Node", "planner");
   ASSERT_EQ(error_of(other.configure(node("fails"))), "");
   EXPECT_THAT(error_of(other.task().start(soon())),
               HasSubstr("the process of node /planner ended with exit status 3"));

@@ -91,6 +91,15 @@ std::string NodeGraph::node_of(const Gid& endpoint) const {
   return found == nodes_.end() ? std::string() : found->second;
 }
 
+bool NodeGraph::has_node(std::string_view name, const Gid& own) const {
+  const Lock lock(mutex_);
+  return std::ranges::any_of(participants_, [&](const auto& each) {
+    return each.first != own && std::ranges::any_of(each.second.nodes, [&](const NodeEntities& node) {
+             return full_name(node) == name;
+           });
+  });
+}
+
 std::vector<std::string> NodeGraph::nodes() const {
   std::vector<std::string> names;
   const Lock lock(mutex_);

@@ -45,6 +45,8 @@ class NodeGraph {
   [[nodiscard]] std::vector<Endpoint> endpoints(std::string_view dds_topic, bool publishes) const;
   /// "/talker"; empty where no node says that the endpoint is its own.
   [[nodiscard]] std::string node_of(const Gid& endpoint) const;
+  /// Whether another participant than `own` has a node of that name ("/talker").
+  [[nodiscard]] bool has_node(std::string_view name, const Gid& own) const;
   /// All nodes: "/talker".
   [[nodiscard]] std::vector<std::string> nodes() const;
 
