@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "conversions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ros2_messages {
+namespace {
+
+constexpr double kNanoseconds = 1e9;
+
+/// Times that ROS 2 cannot tell are the nearest that it can.
+builtin_interfaces::Time stamp(double time) {
+  constexpr double kLast = std::numeric_limits<std::int32_t>::max();
+  const double kept = std::isfinite(time) ? std::clamp(time, 0.0, kLast) : 0.0;
+  const double seconds = std::floor(kept);
+  const double rest = std::min(std::round((kept - seconds) * kNanoseconds), kNanoseconds - 1);
+  return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(rest)};
+}
+
+double seconds(const builtin_interfaces::Time& time) {
+  return time.sec + time.nanosec / kNanoseconds;
+}
+
+void set(std_msgs::Header& header, double time, const std::string& frame) {
+  header.stamp = stamp(time);
+  header.frame_id = frame;
+}
+
+geometry_msgs::Quaternion about_z(double angle) {
+  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
+}
+
+/// The angle about z (REP-103).
+double yaw(const geometry_msgs::Quaternion& q) {
+  return std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
+}
+
+geometry_msgs::Pose pose_in_plane(const messages::Pose2D& from) {
+  return {{from.x, from.y, 0}, about_z(from.theta)};
+}
+
+messages::Pose2D pose_in_plane(const geometry_msgs::Pose& from) {
+  return {from.position.x, from.position.y, yaw(from.orientation)};
+}
+
+geometry_msgs::Vector3 vector(const Eigen::Vector3d& from) {
+  return {from.x(), from.y(), from.z()};
+}
+
+Eigen::Vector3d vector(const geometry_msgs::Vector3& from) {
+  return {from.x, from.y, from.z};
+}
+
+}  // namespace
+
+Problem convert(const messages::LaserScan& from, sensor_msgs::LaserScan& to, const Names& names) {
+  set(to.header, from.time, names.frame);
+  const auto steps = static_cast<double>(from.ranges.empty() ? 0 : from.ranges.size() - 1);
+  to.angle_min = static_cast<float>(from.first_angle);
+  to.angle_max = static_cast<float>(from.first_angle + from.angle_step * steps);
+  to.angle_increment = static_cast<float>(from.angle_step);
+  to.range_min = static_cast<float>(from.minimum_range);
+  to.range_max = static_cast<float>(from.maximum_range);
+  to.ranges = from.ranges;
+  return nullptr;
+}
+
+Problem convert(const messages::Imu& from, sensor_msgs::Imu& to, const Names& names) {
+  set(to.header, from.time, names.frame);
+  const auto& q = from.orientation;
+  to.orientation = {q.x(), q.y(), q.z(), q.w()};
+  to.angular_velocity = vector(from.angular_velocity);
+  to.linear_acceleration = vector(from.linear_acceleration);
+  return nullptr;
+}
+
+Problem convert(const messages::Image& from, sensor_msgs::Image& to, const Names& names) {
+  set(to.header, from.time, names.frame);
+  to.height = from.height;
+  to.width = from.width;
+  to.encoding = "rgb8";
+  to.step = 3 * from.width;
+  to.data = from.rgb;
+  return from.rgb.size() == std::size_t{to.step} * to.height
+             ? nullptr
+             : "the image has another number of bytes than pixels";
+}
+
+Problem convert(const messages::JointState& from, sensor_msgs::JointState& to, const Names& names) {
+  set(to.header, from.time, names.frame);
+  to.name = names.joints;
+  to.position = from.positions;
+  to.velocity = from.velocities;
+  to.effort = from.efforts;
+  return from.positions.size() == names.joints.size()
+             ? nullptr
+             : "the property 'joints' names another number of joints";
+}
+
+Problem convert(const messages::Odometry& from, nav_msgs::Odometry& to, const Names& names) {
+  set(to.header, from.time, names.frame);
+  to.child_frame_id = names.child;
+  to.pose.pose = pose_in_plane(from.pose);
+  to.twist.twist = {{from.twist.linear, 0, 0}, {0, 0, from.twist.angular}};
+  return nullptr;
+}
+
+Problem convert(const messages::Odometry& from, tf2_msgs::TFMessage& to, const Names& names) {
+  to.transforms.resize(1);
+  auto& transform = to.transforms.front();
+  set(transform.header, from.time, names.frame);
+  transform.child_frame_id = names.child;
+  transform.transform = {{from.pose.x, from.pose.y, 0}, about_z(from.pose.theta)};
+  return nullptr;
+}
+
+Problem convert(const messages::OccupancyGrid& from, nav_msgs::OccupancyGrid& to, const Names& names) {
+  set(to.header, from.time, names.frame);
+  to.info.map_load_time = to.header.stamp;
+  to.info.resolution = static_cast<float>(from.resolution);
+  to.info.width = from.width;
+  to.info.height = from.height;
+  to.info.origin = {{from.x, from.y, 0}, {0, 0, 0, 1}};
+  to.data = from.cells;
+  return from.cells.size() == std::size_t{from.width} * from.height
+             ? nullptr
+             : "the map has another number of cells than it says";
+}
+
+Problem convert(const messages::Path& from, nav_msgs::Path& to, const Names& names) {
+  to.header.frame_id = names.frame;
+  to.poses.resize(from.poses.size());
+  for (std::size_t i = 0; i < from.poses.size(); ++i) {
+    to.poses[i].header.frame_id = names.frame;
+    to.poses[i].pose = pose_in_plane(from.poses[i]);
+  }
+  return nullptr;
+}
+
+Problem convert(const double& time, rosgraph_msgs::Clock& to, const Names&) {
+  to.clock = stamp(time);
+  return nullptr;
+}
+
+Problem convert(const sensor_msgs::LaserScan& from, messages::LaserScan& to, const Names&) {
+  to.time = seconds(from.header.stamp);
+  to.first_angle = from.angle_min;
+  to.angle_step = from.angle_increment;
+  to.minimum_range = from.range_min;
+  to.maximum_range = from.range_max;
+  to.ranges = from.ranges;
+  return nullptr;
+}
+
+Problem convert(const sensor_msgs::Imu& from, messages::Imu& to, const Names&) {
+  to.time = seconds(from.header.stamp);
+  const auto& q = from.orientation;
+  to.orientation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+  to.angular_velocity = vector(from.angular_velocity);
+  to.linear_acceleration = vector(from.linear_acceleration);
+  return nullptr;
+}
+
+Problem convert(const sensor_msgs::JointState& from, messages::JointState& to, const Names& names) {
+  const auto pick = [](const std::vector<double>& all, std::size_t index, std::vector<double>& picked) {
+    if (index < all.size()) picked.push_back(all[index]);
+  };
+  to.time = seconds(from.header.stamp);
+  for (auto* values : {&to.positions, &to.velocities, &to.efforts})
+    values->clear();
+  const auto& wanted = names.joints.empty() ? from.name : names.joints;
+  for (const std::string& joint : wanted) {
+    const auto found = std::ranges::find(from.name, joint);
+    if (found == from.name.end()) return "a joint of the property 'joints' is missing";
+    const auto index = static_cast<std::size_t>(found - from.name.begin());
+    pick(from.position, index, to.positions);
+    pick(from.velocity, index, to.velocities);
+    pick(from.effort, index, to.efforts);
+  }
+  const auto is_whole = [&](const std::vector<double>& values) {
+    return values.empty() || values.size() == wanted.size();
+  };
+  return is_whole(to.positions) && is_whole(to.velocities) && is_whole(to.efforts)
+             ? nullptr
+             : "some joints have a value, others do not";
+}
+
+Problem convert(const nav_msgs::Odometry& from, messages::Odometry& to, const Names&) {
+  to.time = seconds(from.header.stamp);
+  to.pose = pose_in_plane(from.pose.pose);
+  to.twist = {from.twist.twist.linear.x, from.twist.twist.angular.z};
+  return nullptr;
+}
+
+Problem convert(const geometry_msgs::Twist& from, messages::Twist2D& to, const Names&) {
+  to = {from.linear.x, from.angular.z};
+  return nullptr;
+}
+
+Problem convert(const geometry_msgs::PoseStamped& from, messages::Pose2D& to, const Names&) {
+  to = pose_in_plane(from.pose);
+  return nullptr;
+}
+
+Problem convert(const nav_msgs::OccupancyGrid& from, messages::OccupancyGrid& to, const Names&) {
+  constexpr double kStraight = 1e-6;
+  to.time = seconds(from.header.stamp);
+  to.resolution = from.info.resolution;
+  to.x = from.info.origin.position.x;
+  to.y = from.info.origin.position.y;
+  to.width = from.info.width;
+  to.height = from.info.height;
+  to.cells = from.data;
+  if (from.data.size() != std::size_t{to.width} * to.height)
+    return "the map has another number of cells than it says";
+  return std::abs(yaw(from.info.origin.orientation)) < kStraight
+             ? nullptr
+             : "the map is turned, which is not supported";
+}
+
+Problem convert(const rosgraph_msgs::Clock& from, double& time, const Names&) {
+  time = seconds(from.clock);
+  return nullptr;
+}
+
+}  // namespace ros2_messages
