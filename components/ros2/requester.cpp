@@ -117,9 +117,15 @@ void Requester::notify() {
 }
 
 void Requester::allow(bool allowed) {
+  std::map<Number, Answer> given_up;  // destroyed without the lock
   const segue::Lock lock(mutex_);
   allowed_ = allowed;
+  if (!allowed) given_up.swap(waiting_);
   changed_.notify_all();
+}
+
+bool Requester::is_served() const {
+  return !participant_->graph().endpoints(request_topic_, false).empty();
 }
 
 segue::Result<std::optional<ServiceMapping>> Requester::mapping_of_servers() const {
@@ -161,30 +167,33 @@ segue::Result<ServiceMapping> Requester::wait_for_server(segue::TimePoint deadli
   }
 }
 
-segue::Result<segue::type::Value> Requester::call(const segue::type::Value& request,
-                                                  segue::TimePoint deadline) {
-  auto message = request_.encode(request, "request");
-  if (!message) return message.error();
+segue::Result<void> Requester::await_server(segue::TimePoint deadline) {
   auto mapping = wait_for_server(deadline);
-  if (!mapping) return mapping.error();
-  auto response = exchange(*message, *mapping, deadline);
-  if (!response) return response.error();
-  auto value = response_.decode(*response);
+  return mapping ? segue::Result<void>() : mapping.error();
+}
+
+segue::Result<segue::type::Value> Requester::decode(const Response& response) const {
+  auto value = response_.decode(response);
   if (value) return value;
   return fail(ErrorCode::ParseError, "the response of service " + service_ + " is malformed")
       .because_of(std::move(value.error()));
 }
 
-segue::Result<Requester::Response> Requester::exchange(std::span<const std::byte> request,
-                                                       ServiceMapping mapping, segue::TimePoint deadline) {
-  const auto number = send(request, mapping);
-  if (!number) return fail(ErrorCode::Unavailable, "Fast DDS does not take the request to " + service_);
+segue::Result<segue::type::Value> Requester::call(const segue::type::Value& request,
+                                                  segue::TimePoint deadline) {
+  // It may be answered after this has returned.
+  auto got = std::make_shared<std::optional<segue::Result<segue::type::Value>>>();
+  auto number = post(request, deadline, [this, got](segue::Result<segue::type::Value> answer) {
+    const segue::Lock lock(mutex_);
+    *got = std::move(answer);
+    changed_.notify_all();
+  });
+  if (!number) return number.error();
   const segue::Lock lock(mutex_);
   changed_.wait_until(mutex_, deadline,
-                      [&]() SEGUE_REQUIRES(mutex_) { return !allowed_ || waiting_[*number].has_value(); });
-  std::optional<Response> response = std::move(waiting_[*number]);
+                      [&]() SEGUE_REQUIRES(mutex_) { return !allowed_ || got->has_value(); });
   waiting_.erase(*number);
-  if (response) return std::move(*response);
+  if (*got) return std::move(**got);
   if (!allowed_) {
     return fail(
         ErrorCode::Cancelled,
@@ -194,46 +203,75 @@ segue::Result<Requester::Response> Requester::exchange(std::span<const std::byte
               "service " + service_ + " has not answered in time; whether it does it is not known");
 }
 
-std::optional<Requester::Number> Requester::send(std::span<const std::byte> request, ServiceMapping mapping) {
+segue::Result<void> Requester::begin(const segue::type::Value& request, segue::TimePoint deadline,
+                                     Answer answer) {
+  auto number = post(request, deadline, std::move(answer));
+  return number ? segue::Result<void>() : number.error();
+}
+
+segue::Result<Requester::Number> Requester::post(const segue::type::Value& request, segue::TimePoint deadline,
+                                                 Answer answer) {
+  auto message = request_.encode(request, "request");
+  if (!message) return message.error();
+  auto mapping = wait_for_server(deadline);
+  if (!mapping) return mapping.error();
+  const auto number = send(*message, *mapping, std::move(answer));
+  if (number) return *number;
+  return fail(ErrorCode::Unavailable, "Fast DDS does not take the request to " + service_);
+}
+
+std::optional<Requester::Number> Requester::send(std::span<const std::byte> request, ServiceMapping mapping,
+                                                 Answer answer) {
   {
     const segue::Lock lock(mutex_);
     ++sending_;
   }
-  // Without the lock: a server in this process answers within the write.
-  Number number(mapping, 0);
-  bool sent = false;
-  if (mapping == ServiceMapping::Cyclone) {
-    number.second = ++last_number_;
-    const auto bytes = segue::ros2::with_request_id({client_, number.second}, request);
-    BytesSource source(bytes);
-    sent = writer_->write(static_cast<MessageSource*>(&source));
-  } else {
-    BytesSource source(request);
-    fast_rtps::WriteParams parameters;
-    fast_rtps::SampleIdentity identity;
-    identity.writer_guid(reader_->guid());
-    parameters.related_sample_identity(identity);
-    sent = writer_->write(static_cast<MessageSource*>(&source), parameters);
-    number.second = static_cast<std::int64_t>(parameters.sample_identity().sequence_number().to64long());
+  const auto number = write(request, mapping);
+  std::optional<Response> response;
+  {
+    const segue::Lock lock(mutex_);
+    --sending_;
+    if (const auto early = number ? early_.find(*number) : early_.end(); early != early_.end()) {
+      response = std::move(early->second);
+    } else if (number) {
+      waiting_.emplace(*number, std::move(answer));
+    }
+    if (sending_ == 0) early_.clear();
   }
-  const segue::Lock lock(mutex_);
-  --sending_;
-  if (sent) {
-    auto& waiting = waiting_[number];
-    if (const auto early = early_.find(number); early != early_.end()) waiting = std::move(early->second);
-  }
-  if (sending_ == 0) early_.clear();
-  return sent ? std::optional(number) : std::nullopt;
+  if (response) answer(decode(*response));
+  return number;
 }
 
-void Requester::take_response(const Number& number, std::vector<std::byte> response) {
-  const segue::Lock lock(mutex_);
-  if (const auto waiting = waiting_.find(number); waiting != waiting_.end()) {
-    if (!waiting->second) waiting->second = std::move(response);
-    changed_.notify_all();
-  } else if (sending_ > 0) {
-    early_.try_emplace(number, std::move(response));
+std::optional<Requester::Number> Requester::write(std::span<const std::byte> request,
+                                                  ServiceMapping mapping) {
+  if (mapping == ServiceMapping::Cyclone) {
+    const Number number(mapping, ++last_number_);
+    const auto bytes = segue::ros2::with_request_id({client_, number.second}, request);
+    BytesSource source(bytes);
+    return writer_->write(static_cast<MessageSource*>(&source)) ? std::optional(number) : std::nullopt;
   }
+  BytesSource source(request);
+  fast_rtps::WriteParams parameters;
+  fast_rtps::SampleIdentity identity;
+  identity.writer_guid(reader_->guid());
+  parameters.related_sample_identity(identity);
+  if (!writer_->write(static_cast<MessageSource*>(&source), parameters)) return {};
+  return Number(mapping,
+                static_cast<std::int64_t>(parameters.sample_identity().sequence_number().to64long()));
+}
+
+void Requester::take_response(const Number& number, Response response) {
+  Answer answer;
+  {
+    const segue::Lock lock(mutex_);
+    if (const auto waiting = waiting_.find(number); waiting != waiting_.end()) {
+      answer = std::move(waiting->second);
+      waiting_.erase(waiting);
+    } else if (sending_ > 0) {
+      early_.try_emplace(number, std::move(response));
+    }
+  }
+  if (answer) answer(decode(response));
 }
 
 void Requester::on_data_available(dds::DataReader* reader) {

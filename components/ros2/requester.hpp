@@ -15,6 +15,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,8 +42,18 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
   /// until the deadline; DeadlineExceeded: it has not answered, so what it did is not known; Cancelled: by
   /// cancel(); ParseError: its response is not one. Fields that `request` does not name have their defaults.
   segue::Result<segue::type::Value> call(const segue::type::Value& request, segue::TimePoint deadline);
-  /// Whether requests are sent from now on; where not, calls in progress end, too.
+  /// The response of a request, or that it is not one (ParseError).
+  using Answer = std::function<void(segue::Result<segue::type::Value>)>;
+  /// Sends the request as call() does, but does not wait for the response: `answer` is called when it comes,
+  /// once at most, in a thread of Fast DDS or before this returns. Where it is called by such a thread
+  /// itself, the deadline must have passed: then it does not wait for a server.
+  segue::Result<void> begin(const segue::type::Value& request, segue::TimePoint deadline, Answer answer);
+  /// Waits for a server; fails as call() does.
+  segue::Result<void> await_server(segue::TimePoint deadline);
+  /// Whether requests are sent from now on; where not, calls in progress end, and no answers come, too.
   void allow(bool allowed);
+  /// Whether any server is seen, though it may not be ready.
+  [[nodiscard]] bool is_served() const;
   /// Servers whose both endpoints have been found.
   [[nodiscard]] std::uint32_t servers() const;
   [[nodiscard]] segue::ros2::Gid publisher() const { return gid_of(writer_->guid()); }
@@ -57,17 +68,21 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
             segue::ros2::MessageCodec response, std::string request_topic, std::string response_topic);
   segue::Result<void> open();
   segue::Result<segue::ros2::ServiceMapping> wait_for_server(segue::TimePoint deadline);
-  segue::Result<Response> exchange(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping,
-                                   segue::TimePoint deadline);
-  /// The number by which the response is known; nothing where Fast DDS does not take the request.
-  std::optional<Number> send(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping);
+  /// Returns the number by which the response is known.
+  segue::Result<Number> post(const segue::type::Value& request, segue::TimePoint deadline, Answer answer);
+  /// Nothing where Fast DDS does not take the request.
+  std::optional<Number> send(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping,
+                             Answer answer);
+  /// Hands it to Fast DDS. Without the lock: a server in this process answers within the write.
+  std::optional<Number> write(std::span<const std::byte> request, segue::ros2::ServiceMapping mapping);
+  [[nodiscard]] segue::Result<segue::type::Value> decode(const Response& response) const;
   /// The mapping of the servers that have both endpoints and get requests; nothing where there is none.
   [[nodiscard]] segue::Result<std::optional<segue::ros2::ServiceMapping>> mapping_of_servers() const;
   void notify();
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override;
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
-  void take_response(const Number& number, std::vector<std::byte> response);
+  void take_response(const Number& number, Response response);
 
   const std::shared_ptr<Participant> participant_;
   const std::string service_;
@@ -83,7 +98,7 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
   segue::ConditionVariable changed_;
   bool allowed_ SEGUE_GUARDED_BY(mutex_) = false;
   std::uint32_t sending_ SEGUE_GUARDED_BY(mutex_) = 0;
-  std::map<Number, std::optional<Response>> waiting_ SEGUE_GUARDED_BY(mutex_);
+  std::map<Number, Answer> waiting_ SEGUE_GUARDED_BY(mutex_);
   std::map<Number, Response> early_
       SEGUE_GUARDED_BY(mutex_);  ///< while it is being sent, its number is not known
   Participant::Owned<dds::DataReader> reader_;

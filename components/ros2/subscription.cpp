@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "cdr_output.hpp"
 #include "topic_endpoint.hpp"
-
-#include <segue/task/any_port.hpp>
-#include <segue/type/cdr_flat.hpp>
-#include <segue/type/cdr_object.hpp>
 
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -37,8 +34,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   segue::Result<void> on_configure() override {
     if (auto opened = open(); !opened) return opened;
     reset_counts();
-    out_.emplace(*this, "out", &codec().info(), std::string(),
-                 PortOptions{.dynamic = true, .doc = "samples as they arrive", .flat = true});
+    out_.emplace(*this, "out", codec(), "samples as they arrive");
     auto reader = participant().make_reader(topic_name(), quality(), user_data(), this);
     if (!reader) {
       out_.reset();
@@ -110,38 +106,16 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   }
 
   void deliver(std::span<const std::byte> message) noexcept SEGUE_REQUIRES(mutex_) {
-    try {
-      SampleRef sample = room_for(message);
-      if (!sample) return;
-      if (!decode(message, *sample.get())) {
-        ++counts_.corrupt;
-        return;
-      }
+    const auto outcome = out_->publish(message);
+    if (outcome == CdrOutput::Outcome::Lost) {
+      ++counts_.lost;
+    } else if (outcome == CdrOutput::Outcome::Corrupt) {
+      ++counts_.corrupt;
+    } else {
       ++counts_.received;
       counts_.bytes += message.size();
-      if (out_->publish(sample.detach()) == WriteResult::Refused) ++counts_.refused;
-    } catch (const std::bad_alloc&) {
-      ++counts_.lost;
+      if (outcome == CdrOutput::Outcome::Refused) ++counts_.refused;
     }
-  }
-
-  /// Empty, and counted, where there is none, or where the message cannot be a sample of the type.
-  SampleRef room_for(std::span<const std::byte> message) SEGUE_REQUIRES(mutex_) {
-    if (!out_->is_flat()) {
-      SampleRef slot = SampleRef::adopt(out_->acquire());
-      if (!slot) ++counts_.lost;
-      return slot;
-    }
-    const std::size_t size = segue::type::flat_size_of_cdr(codec().info(), message);
-    if (size > 0) return SampleRef::adopt(out_->acquire_flat(size));
-    ++counts_.corrupt;
-    return {};
-  }
-
-  bool decode(std::span<const std::byte> message, SampleSlot& slot) const {
-    if (slot.flat_size == 0) return segue::type::read_cdr(codec().info(), slot.value, message);
-    return segue::type::cdr_to_flat(codec().info(), message,
-                                    {static_cast<std::byte*>(slot.value), slot.flat_size});
   }
 
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
@@ -176,7 +150,7 @@ class Subscription final : public TopicEndpoint, private dds::DataReaderListener
   bool running_ SEGUE_GUARDED_BY(mutex_) = false;
   std::deque<std::vector<std::byte>> waiting_ SEGUE_GUARDED_BY(mutex_);
   // Changed only while there is no reader, whose callbacks use it.
-  std::optional<AnyOutput> out_;
+  std::optional<CdrOutput> out_;
   Participant::Owned<dds::DataReader> reader_;
 };
 

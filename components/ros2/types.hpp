@@ -52,8 +52,17 @@ struct SubscriptionStatistics {
   std::uint32_t mismatched = 0;  ///< publishers now that have the topic but from which nothing comes
 };
 
+/// All counted since the task was configured.
+struct ActionStatistics {
+  std::uint64_t goals = 0;     ///< that were sent, or were to be
+  std::uint64_t feedback = 0;  ///< of goals that were under way
+  std::uint64_t corrupt = 0;   ///< messages that are not feedback or results of the action
+  std::uint32_t servers = 0;   ///< now
+};
+
 SEGUE_TYPE(PublisherStatistics, sent, refused, bytes, missed, matched, mismatched)
 SEGUE_TYPE(SubscriptionStatistics, received, early, refused, lost, corrupt, bytes, missed, matched,
            mismatched)
+SEGUE_TYPE(ActionStatistics, goals, feedback, corrupt, servers)
 
 }  // namespace ros2

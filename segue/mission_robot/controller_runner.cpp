@@ -142,7 +142,9 @@ class ControlledRun {
   std::optional<Ending> tell_tasks(const std::stop_token& stop) {
     TimePoint give_up = now() + options_.notice;
     while (true) {
-      auto told = is_told_ ? Result<void>() : tell(stop);
+      // Before they are told, since some write a result once, at once.
+      auto told = open_feeds(robot_, use_.outputs, outputs_, until(stop));
+      if (told && !is_told_) told = tell(stop);
       if (told) told = open_ports(stop);
       if (told) return std::nullopt;
       if (auto ending = await_repair(told.error(), give_up, stop)) return ending;
@@ -199,13 +201,6 @@ class ControlledRun {
       auto samples = robot_.open(shows->port, until(stop));
       if (!samples) return samples.error();
       ports_.follow(shows->port, std::move(*samples));
-    }
-    outputs_.resize(use_.outputs.size());
-    for (std::size_t i = 0; i < outputs_.size(); ++i) {
-      if (outputs_[i]) continue;
-      auto opened = PortFeed::open(robot_, use_.outputs[i].port, until(stop));
-      if (!opened) return opened.error();
-      outputs_[i] = std::move(*opened);
     }
     return {};
   }

@@ -153,6 +153,17 @@ TEST_F(ControllerActions, ReadTheirOutputsFromPorts) {
   EXPECT_EQ(result.outputs[0], Value(7));
 }
 
+TEST_F(ControllerActions, ReadOutputsThatAreWrittenWhileTasksAreTold) {
+  begin(
+      "controller: go_home, call: {planner.set_goal: {goal: home}}, until: [{after: 0s, outcome: arrived}], "
+      "outputs: {pose: odometry.pose}");
+  robot_->wait_until_asked("call planner.set_goal home");
+  EXPECT_THAT(robot_->asked(),
+              ElementsAre("request go_home", "open odometry.pose", "call planner.set_goal home"));
+  robot_->show(7);
+  EXPECT_EQ(ended().outputs[0], Value(7));
+}
+
 TEST_F(ControllerActions, AbortWhereTheRobotRefuses) {
   robot_->refuse();
   begin(std::string("controller: go_home, ") + kArrived);

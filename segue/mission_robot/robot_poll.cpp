@@ -21,6 +21,18 @@ Result<PortFeed> PortFeed::open(CommandedRobot& robot, const Member& port, const
   return PortFeed{port, std::move(*samples)};
 }
 
+Result<void> open_feeds(CommandedRobot& robot, const std::vector<OutputSource>& sources,
+                        std::vector<std::optional<PortFeed>>& feeds, const Wait& wait) {
+  feeds.resize(sources.size());
+  for (std::size_t i = 0; i < feeds.size(); ++i) {
+    if (feeds[i]) continue;
+    auto opened = PortFeed::open(robot, sources[i].port, wait);
+    if (!opened) return opened.error();
+    feeds[i] = std::move(*opened);
+  }
+  return {};
+}
+
 Result<void> PortFeed::poll(const Wait& wait) {
   return take_in(samples->take(wait));
 }

@@ -34,6 +34,10 @@ struct PortFeed {
   Result<void> take_in(Result<std::vector<type::Value>> came);
 };
 
+/// Opens the ports that have no feed yet. `feeds` has one for each of `sources` then.
+Result<void> open_feeds(CommandedRobot& robot, const std::vector<OutputSource>& sources,
+                        std::vector<std::optional<PortFeed>>& feeds, const Wait& wait);
+
 /// The condition as a sentence which says that it holds.
 [[nodiscard]] std::string sentence(const EndCondition& condition);
 /// Whether a task that was asked, or its process, may be gone.

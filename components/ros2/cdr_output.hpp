@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <segue/ros2/message_codec.hpp>
+#include <segue/task/any_port.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace ros2 {
+
+/// An output port whose samples come as CDR; a component makes it in on_configure.
+class CdrOutput {
+ public:
+  enum class Outcome : std::uint8_t {
+    Published,
+    Refused,  ///< a connection had no room
+    Corrupt,  ///< the message is not a sample of the type
+    Lost      ///< there was no memory for it
+  };
+
+  /// `message` must outlive this.
+  CdrOutput(segue::task::Component& component, const std::string& name,
+            const segue::ros2::MessageCodec& message, const std::string& doc);
+  /// Decodes the message, which is untrusted, to where readers find the sample. One thread at a time.
+  Outcome publish(std::span<const std::byte> message) noexcept;
+
+ private:
+  /// Empty where there is none; `why` says why.
+  segue::task::SampleRef room_for(std::span<const std::byte> message, Outcome& why);
+  bool decode(std::span<const std::byte> message, segue::task::SampleSlot& slot) const;
+
+  const segue::type::TypeInfo& type_;
+  segue::task::AnyOutput port_;
+};
+
+}  // namespace ros2
