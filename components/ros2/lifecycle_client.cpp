@@ -116,6 +116,8 @@ segue::Result<void> LifecycleClient::drive(NodeState goal, segue::TimePoint dead
     auto read = state(deadline);
     if (!read) return read.error();
     now = *read;
+    if (is_there_twice())
+      return fail(ErrorCode::InvalidState, "node " + node_ + " is there twice, and both answer: end one");
     if (now == goal) return {};
     if (now == NodeState::Finalized)
       return fail(ErrorCode::InvalidState, "node " + node_ + " is finalized, which it cannot leave");

@@ -43,11 +43,16 @@ class LifecycleClient {
   /// Takes the node from whatever state it is in to Unconfigured, Inactive or Active, by as many transitions
   /// as that needs. The true state is read before each of them and at the end, so a response that is lost,
   /// late or wrong does no harm. InvalidState: the node refuses a transition, says that it did one that it
-  /// did not, or is finalized; DeadlineExceeded: it is not there yet; Unavailable: it is not there at all.
+  /// did not, is finalized, or is there twice; DeadlineExceeded: it is not there yet; Unavailable: it is not
+  /// there at all.
   segue::Result<void> drive(NodeState goal, segue::TimePoint deadline);
   /// Calls in progress and later ones end at once. Any thread.
   void cancel();
 
+  /// Whether two nodes of that name answer.
+  [[nodiscard]] bool is_there_twice() const {
+    return get_state_->has_rivals() || change_state_->has_rivals();
+  }
   /// Whether the services of its life cycle are seen. That they are not is no proof that the node has ended.
   [[nodiscard]] bool is_seen() const { return get_state_->servers() > 0 && change_state_->servers() > 0; }
   [[nodiscard]] std::vector<const Requester*> requesters() const;

@@ -260,10 +260,17 @@ std::optional<Requester::Number> Requester::write(std::span<const std::byte> req
                 static_cast<std::int64_t>(parameters.sample_identity().sequence_number().to64long()));
 }
 
-void Requester::take_response(const Number& number, Response response) {
+bool Requester::has_rivals() const {
+  const segue::Lock lock(mutex_);
+  return has_rivals_;
+}
+
+void Requester::take_response(const Gid& server, const Number& number, Response response) {
   Answer answer;
   {
     const segue::Lock lock(mutex_);
+    has_rivals_ = has_rivals_ || (answered_ && answered_->first == number && answered_->second != server);
+    answered_.emplace(number, server);
     if (const auto waiting = waiting_.find(number); waiting != waiting_.end()) {
       answer = std::move(waiting->second);
       waiting_.erase(waiting);
@@ -283,13 +290,13 @@ void Requester::on_data_available(dds::DataReader* reader) {
     if (segue::ros2::mapping_of(server) == ServiceMapping::Cyclone) {
       auto parts = segue::ros2::split_request_id(sink.bytes);
       if (parts && parts->id.client == client_)
-        take_response({ServiceMapping::Cyclone, parts->id.sequence}, std::move(parts->message));
+        take_response(server, {ServiceMapping::Cyclone, parts->id.sequence}, std::move(parts->message));
       continue;
     }
     const auto& request = info.related_sample_identity;
     if (request.writer_guid() == reader->guid()) {
       take_response(
-          {ServiceMapping::FastDds, static_cast<std::int64_t>(request.sequence_number().to64long())},
+          server, {ServiceMapping::FastDds, static_cast<std::int64_t>(request.sequence_number().to64long())},
           std::move(sink.bytes));
     }
   }

@@ -56,6 +56,9 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
   [[nodiscard]] bool is_served() const;
   /// Servers whose both endpoints have been found.
   [[nodiscard]] std::uint32_t servers() const;
+  /// Whether two servers have answered the same request. (That two are seen is no proof: one that was killed
+  /// is seen for some time.)
+  [[nodiscard]] bool has_rivals() const;
   [[nodiscard]] segue::ros2::Gid publisher() const { return gid_of(writer_->guid()); }
   [[nodiscard]] segue::ros2::Gid subscription() const { return gid_of(reader_->guid()); }
 
@@ -82,7 +85,7 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override;
   void on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) override;
-  void take_response(const Number& number, Response response);
+  void take_response(const segue::ros2::Gid& server, const Number& number, Response response);
 
   const std::shared_ptr<Participant> participant_;
   const std::string service_;
@@ -101,6 +104,9 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
   std::map<Number, Answer> waiting_ SEGUE_GUARDED_BY(mutex_);
   std::map<Number, Response> early_
       SEGUE_GUARDED_BY(mutex_);  ///< while it is being sent, its number is not known
+  /// The last request that was answered, and by whom.
+  std::optional<std::pair<Number, segue::ros2::Gid>> answered_ SEGUE_GUARDED_BY(mutex_);
+  bool has_rivals_ SEGUE_GUARDED_BY(mutex_) = false;
   Participant::Owned<dds::DataReader> reader_;
   Participant::Owned<dds::DataWriter> writer_;
 };
