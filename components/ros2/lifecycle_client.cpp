@@ -110,14 +110,22 @@ segue::Result<NodeState> LifecycleClient::state(segue::TimePoint deadline) {
                                            std::to_string(number) + ", which does not exist");
 }
 
+segue::Error LifecycleClient::there_twice() const {
+  return fail(ErrorCode::InvalidState, "node " + node_ + " is there twice, and both answer: end one");
+}
+
+segue::Error LifecycleClient::there_twice_or(segue::Error error) {
+  constexpr std::chrono::seconds kBothAnswer{3};
+  return get_state_->has_rivals(segue::monotonic_now() + kBothAnswer) ? there_twice() : error;
+}
+
 segue::Result<void> LifecycleClient::drive(NodeState goal, segue::TimePoint deadline) {
   NodeState now = NodeState::Unknown;
   while (segue::monotonic_now() < deadline) {
     auto read = state(deadline);
     if (!read) return read.error();
     now = *read;
-    if (is_there_twice())
-      return fail(ErrorCode::InvalidState, "node " + node_ + " is there twice, and both answer: end one");
+    if (is_there_twice()) return there_twice();
     if (now == goal) return {};
     if (now == NodeState::Finalized)
       return fail(ErrorCode::InvalidState, "node " + node_ + " is finalized, which it cannot leave");
@@ -143,8 +151,9 @@ segue::Result<void> LifecycleClient::step(NodeState from, NodeState goal, segue:
   if (!read) return response ? read.error() : response.error();
   if (*read != from || is_in_transition(*read)) return {};
   if (!response) return response.error();
-  return fail(ErrorCode::InvalidState, "node " + node_ + (says_done ? " says that it did " : " refuses to ") +
-                                           transition.verb + "; it is " + std::string(to_string(*read)));
+  return there_twice_or(
+      fail(ErrorCode::InvalidState, "node " + node_ + (says_done ? " says that it did " : " refuses to ") +
+                                        transition.verb + "; it is " + std::string(to_string(*read))));
 }
 
 }  // namespace ros2

@@ -53,12 +53,16 @@ class LifecycleClient {
   [[nodiscard]] bool is_there_twice() const {
     return get_state_->has_rivals() || change_state_->has_rivals();
   }
+  /// The error where two nodes answer, for which their answers are waited for some time, or else `error`:
+  /// answers of two nodes contradict each other.
+  segue::Error there_twice_or(segue::Error error);
   /// Whether the services of its life cycle are seen. That they are not is no proof that the node has ended.
   [[nodiscard]] bool is_seen() const { return get_state_->servers() > 0 && change_state_->servers() > 0; }
   [[nodiscard]] std::vector<const Requester*> requesters() const;
 
  private:
   LifecycleClient() = default;
+  [[nodiscard]] segue::Error there_twice() const;
   /// One transition on the way; whether it was done is read from the state.
   segue::Result<void> step(NodeState from, NodeState goal, segue::TimePoint deadline);
 

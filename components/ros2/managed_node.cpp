@@ -63,13 +63,11 @@ class ManagedNode final : public NodeProxy {
   /// Whether the node says that it is active. Another state is an exception; no answer is none.
   bool check_active() {
     const auto state = client_->state(segue::monotonic_now() + kAnswersWithin);
-    if (client_->is_there_twice()) {
-      exception("node " + node() + " is there twice, and both answer: end one");
-      return false;
-    }
     if (!state) return false;
-    if (*state == NodeState::Active) return true;
-    exception("the node is " + std::string(to_string(*state)) + ", not active");
+    if (*state == NodeState::Active && !client_->is_there_twice()) return true;
+    const auto inactive = segue::fail(segue::ErrorCode::InvalidState,
+                                      "the node is " + std::string(to_string(*state)) + ", not active");
+    exception(client_->there_twice_or(inactive).message);
     return false;
   }
 

@@ -17,6 +17,7 @@
 #include <fastdds/dds/topic/Topic.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <random>
 #include <utility>
 
@@ -317,9 +318,24 @@ void Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDi
   tell_watchers();
 }
 
-void Participant::wait_for_acknowledgements(const segue::ros2::Gid& writer) {
+segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_acknowledged_writer(
+    const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
+    dds::DataWriterListener* listener) {
+  {
+    const segue::Lock lock(acknowledged_mutex_);
+    ++being_made_;
+  }
+  auto writer = make_writer(name, quality, user_data, listener);
   const segue::Lock lock(acknowledged_mutex_);
-  awaited_.insert(writer);
+  --being_made_;
+  if (writer) {
+    const segue::ros2::Gid gid = gid_of((*writer)->guid());
+    awaited_.insert(gid);
+    std::ranges::copy_if(early_, std::inserter(acknowledged_, acknowledged_.end()),
+                         [&](const Acknowledgement& one) { return one.writer == gid; });
+  }
+  if (being_made_ == 0) early_.clear();
+  return writer;
 }
 
 void Participant::forget_acknowledgements(const segue::ros2::Gid& writer) {
@@ -341,6 +357,7 @@ bool Participant::has_acknowledged(const segue::ros2::Gid& reader, const segue::
 void Participant::acknowledged(const Acknowledgement& one) {
   {
     const segue::Lock lock(acknowledged_mutex_);
+    if (being_made_ > 0 && !awaited_.contains(one.writer)) early_.insert(one);
     if (!awaited_.contains(one.writer) || !acknowledged_.insert(one).second) return;
   }
   tell_watchers();

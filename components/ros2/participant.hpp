@@ -17,6 +17,7 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -72,10 +73,13 @@ class Participant final : private dds::DomainParticipantListener,
   void announce(const segue::ros2::NodeEntities& node);
   void withdraw(const segue::ros2::NodeEntities& node);
 
-  /// Which readers of others have matched an own writer is known of those that were named here, until they
-  /// are forgotten; watchers are told of changes. (That this participant has matched a reader does not mean
-  /// the reverse, and until then the reader gets nothing.)
-  void wait_for_acknowledgements(const segue::ros2::Gid& writer);
+  /// make_writer(), where it is known which readers of others have matched the writer, until that is
+  /// forgotten; watchers are told of changes. (That this participant has matched a reader does not mean the
+  /// reverse, and until then the reader gets nothing. A reader says it once.)
+  segue::Result<Owned<dds::DataWriter>> make_acknowledged_writer(const TopicName& name,
+                                                                 const segue::ros2::Quality& quality,
+                                                                 const std::string& user_data,
+                                                                 dds::DataWriterListener* listener);
   void forget_acknowledgements(const segue::ros2::Gid& writer);
   [[nodiscard]] bool has_acknowledged(const segue::ros2::Gid& reader, const segue::ros2::Gid& writer) const;
 
@@ -118,6 +122,9 @@ class Participant final : private dds::DomainParticipantListener,
   std::map<const void*, std::function<void()>> watchers_ SEGUE_GUARDED_BY(watchers_mutex_);
   mutable segue::Mutex acknowledged_mutex_;
   std::set<segue::ros2::Gid> awaited_ SEGUE_GUARDED_BY(acknowledged_mutex_);
+  std::size_t being_made_ SEGUE_GUARDED_BY(acknowledged_mutex_) =
+      0;  ///< writers, whose identifiers are not known yet
+  std::set<Acknowledgement> early_ SEGUE_GUARDED_BY(acknowledged_mutex_);  ///< of them perhaps
   std::set<Acknowledgement> acknowledged_ SEGUE_GUARDED_BY(acknowledged_mutex_);
   segue::Mutex topics_mutex_;
   std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(topics_mutex_);

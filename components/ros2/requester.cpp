@@ -96,12 +96,11 @@ segue::Result<void> Requester::open() {
   auto reader =
       participant_->make_reader({response_topic_, response_.dds_type()}, quality, user_data(response_), this);
   if (!reader) return reader.error();
-  auto writer =
-      participant_->make_writer({request_topic_, request_.dds_type()}, quality, user_data(request_), this);
+  auto writer = participant_->make_acknowledged_writer({request_topic_, request_.dds_type()}, quality,
+                                                       user_data(request_), this);
   if (!writer) return writer.error();
   reader_ = std::move(*reader);
   writer_ = std::move(*writer);
-  participant_->wait_for_acknowledgements(gid_of(writer_->guid()));
   participant_->watch(this, [this] { notify(); });
   return {};
 }
@@ -265,12 +264,20 @@ bool Requester::has_rivals() const {
   return has_rivals_;
 }
 
+bool Requester::has_rivals(segue::TimePoint deadline) {
+  const segue::Lock lock(mutex_);
+  if (servers() > 1)
+    changed_.wait_until(mutex_, deadline, [&]() SEGUE_REQUIRES(mutex_) { return has_rivals_; });
+  return has_rivals_;
+}
+
 void Requester::take_response(const Gid& server, const Number& number, Response response) {
   Answer answer;
   {
     const segue::Lock lock(mutex_);
     has_rivals_ = has_rivals_ || (answered_ && answered_->first == number && answered_->second != server);
     answered_.emplace(number, server);
+    if (has_rivals_) changed_.notify_all();
     if (const auto waiting = waiting_.find(number); waiting != waiting_.end()) {
       answer = std::move(waiting->second);
       waiting_.erase(waiting);

@@ -59,6 +59,8 @@ class Requester final : private dds::DataReaderListener, private dds::DataWriter
   /// Whether two servers have answered the same request. (That two are seen is no proof: one that was killed
   /// is seen for some time.)
   [[nodiscard]] bool has_rivals() const;
+  /// has_rivals(), where several servers are seen after waiting for their answers.
+  [[nodiscard]] bool has_rivals(segue::TimePoint deadline);
   [[nodiscard]] segue::ros2::Gid publisher() const { return gid_of(writer_->guid()); }
   [[nodiscard]] segue::ros2::Gid subscription() const { return gid_of(reader_->guid()); }
 
