@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <new>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace ros2 {
 
@@ -43,6 +45,20 @@ class MessageSink {
 
  protected:
   ~MessageSink() = default;
+};
+
+/// Keeps the bytes of one message.
+class BytesSink final : public MessageSink {
+ public:
+  bool take(std::span<const std::byte> message) noexcept override {
+    try {
+      bytes.assign(message.begin(), message.end());
+      return true;
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+  }
+  std::vector<std::byte> bytes;
 };
 
 /// A type of Fast DDS whose structure Fast DDS does not know: messages are bytes, written from a

@@ -33,6 +33,12 @@ struct Request {
   std::int64_t number = 0;
 };
 
+/// A response as a client of ROS 2 gets it.
+struct Response {
+  std::int64_t number = 0;  ///< of its request
+  Bytes message;
+};
+
 class Peer {
  public:
   Peer() = default;
@@ -56,6 +62,14 @@ class Peer {
   /// Clients that get responses.
   virtual std::uint32_t clients() = 0;
   virtual void respond(const Request& request, const Bytes& response) = 0;
+  /// Becomes a client of that service, one at a time; the earlier one leaves.
+  virtual void use(const std::string& service, const std::string& interface) = 0;
+  /// Servers that get requests and whose responses come.
+  virtual std::uint32_t servers() = 0;
+  /// Sends a request; its number.
+  virtual std::int64_t ask(const Bytes& request) = 0;
+  /// The responses to own requests that have come since the last call, with their numbers.
+  virtual std::vector<Response> responses() = 0;
   /// The nodes of other participants, as each has said last.
   virtual std::vector<segue::ros2::ParticipantEntities> others() = 0;
   /// Subscriptions to what it publishes, and publishers of what it subscribes to.

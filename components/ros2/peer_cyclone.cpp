@@ -125,6 +125,8 @@ class CyclonePeer final : public Peer {
     out_.reset();
     in_.reset();
     stop_serving();
+    asks_.reset();
+    answers_.reset();
     entities_out_.reset();
     entities_in_.reset();
     ::dds_delete(participant_);
@@ -175,12 +177,38 @@ class CyclonePeer final : public Peer {
     return all;
   }
   void respond(const Request& request, const Bytes& response) override {
-    Bytes bytes(20);
-    std::copy_n(response.begin(), 4, bytes.begin());
-    std::memcpy(&bytes[4], request.client.data(), 8);
-    std::memcpy(&bytes[12], &request.number, 8);
-    bytes.insert(bytes.end(), response.begin() + 4, response.end());
-    responses_->write(bytes);
+    responses_->write(identified(request.client, request.number, response));
+  }
+  void use(const std::string& service, const std::string& interface) override {
+    asks_.reset();
+    answers_.reset();
+    const std::string client = "clientid=1.2.3.4.5.6.7.8.9.a.b.c.d.e.f.11;";
+    answers_ = make(false, {}, segue::ros2::dds_response_name(service).value(),
+                    segue::ros2::dds_type_name(interface + "_Response"), client);
+    asks_ = make(true, {}, segue::ros2::dds_request_name(service).value(),
+                 segue::ros2::dds_type_name(interface + "_Request"), client);
+  }
+  std::uint32_t servers() override {
+    dds_subscription_matched_status_t status{};
+    ::dds_get_subscription_matched_status(answers_->entity, &status);
+    return std::min(matched(*asks_), status.current_count);
+  }
+  std::int64_t ask(const Bytes& request) override {
+    const std::int64_t number = ++last_number_;
+    asks_->write(identified(own_client(), number, request));
+    return number;
+  }
+  std::vector<Response> responses() override {
+    std::vector<Response> all;
+    for (const Bytes& bytes : answers_->take()) {
+      if (bytes.size() < 20 || std::memcmp(&bytes[4], own_client().data(), 8) != 0) continue;
+      Response response;
+      std::memcpy(&response.number, &bytes[12], 8);
+      response.message.assign(bytes.begin(), bytes.begin() + 4);
+      response.message.insert(response.message.end(), bytes.begin() + 20, bytes.end());
+      all.push_back(std::move(response));
+    }
+    return all;
   }
   std::vector<ParticipantEntities> others() override {
     for (const Bytes& message : entities_in_->take()) {
@@ -214,6 +242,20 @@ class CyclonePeer final : public Peer {
   }
 
  private:
+  static Bytes identified(const Gid& client, std::int64_t number, const Bytes& message) {
+    Bytes bytes(20);
+    std::copy_n(message.begin(), 4, bytes.begin());
+    std::memcpy(&bytes[4], client.data(), 8);
+    std::memcpy(&bytes[12], &number, 8);
+    bytes.insert(bytes.end(), message.begin() + 4, message.end());
+    return bytes;
+  }
+  /// Of which eight bytes are used.
+  [[nodiscard]] Gid own_client() const {
+    Gid client = gid_of(participant_);
+    std::rotate(client.begin(), client.begin() + 4, client.end());
+    return client;
+  }
   static std::uint32_t matched(const Channel& channel) {
     dds_publication_matched_status_t status{};
     ::dds_get_publication_matched_status(channel.entity, &status);
@@ -241,6 +283,9 @@ class CyclonePeer final : public Peer {
   std::unique_ptr<Channel> in_;
   std::unique_ptr<Channel> requests_;
   std::unique_ptr<Channel> responses_;
+  std::unique_ptr<Channel> asks_;
+  std::unique_ptr<Channel> answers_;
+  std::int64_t last_number_ = 0;
   std::map<Gid, ParticipantEntities> others_;
 };
 

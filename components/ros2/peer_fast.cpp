@@ -229,6 +229,42 @@ class FastPeer final : public Peer {
     Bytes bytes = response;
     if (!responses_->write(&bytes, parameters)) std::fprintf(stderr, "the peer cannot respond\n");
   }
+  void use(const std::string& service, const std::string& interface) override {
+    if (asks_ != nullptr) publisher_->delete_datawriter(asks_);
+    if (answers_ != nullptr) subscriber_->delete_datareader(answers_);
+    answers_ = subscriber_->create_datareader(topic(segue::ros2::dds_response_name(service).value(),
+                                                    segue::ros2::dds_type_name(interface + "_Response")),
+                                              quality_of<edds::DataReaderQos>({}, ""));
+    asks_ = publisher_->create_datawriter(topic(segue::ros2::dds_request_name(service).value(),
+                                                segue::ros2::dds_type_name(interface + "_Request")),
+                                          quality_of<edds::DataWriterQos>({}, ""));
+  }
+  std::uint32_t servers() override {
+    edds::SubscriptionMatchedStatus status;
+    answers_->get_subscription_matched_status(status);
+    return std::min(matched(*asks_), static_cast<std::uint32_t>(status.current_count));
+  }
+  /// Beside the message stands the reader of the responses.
+  std::int64_t ask(const Bytes& request) override {
+    ertps::SampleIdentity identity;
+    identity.writer_guid(answers_->guid());
+    ertps::WriteParams parameters;
+    parameters.related_sample_identity(identity);
+    Bytes bytes = request;
+    if (!asks_->write(&bytes, parameters)) std::fprintf(stderr, "the peer cannot ask\n");
+    return static_cast<std::int64_t>(parameters.sample_identity().sequence_number().to64long());
+  }
+  std::vector<Response> responses() override {
+    std::vector<Response> all;
+    Bytes message;
+    edds::SampleInfo info;
+    while (answers_->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
+      const auto& request = info.related_sample_identity;
+      if (info.valid_data && request.writer_guid() == answers_->guid())
+        all.push_back({static_cast<std::int64_t>(request.sequence_number().to64long()), message});
+    }
+    return all;
+  }
   std::vector<ParticipantEntities> others() override {
     for (const Bytes& message : take(entities_in_)) {
       const auto entities = segue::ros2::decode_participant_entities(message);
@@ -286,6 +322,8 @@ class FastPeer final : public Peer {
   edds::DataReader* in_ = nullptr;
   edds::DataReader* requests_ = nullptr;
   edds::DataWriter* responses_ = nullptr;
+  edds::DataWriter* asks_ = nullptr;
+  edds::DataReader* answers_ = nullptr;
   std::string subscribed_;
   std::map<std::string, edds::Topic*> topics_;
   std::map<Gid, ParticipantEntities> others_;

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <random>
 #include <utility>
 
 namespace ros2 {
@@ -250,9 +249,7 @@ segue::Result<bool> RemoteAction::send(const Value& goal, segue::TimePoint deadl
     if (!takes_goals_)
       return fail(ErrorCode::Cancelled, "action " + action_ + " gets no goal: the task stops");
   }
-  std::random_device random;
-  GoalId id{};
-  std::ranges::generate(id, [&] { return static_cast<std::uint8_t>(random()); });
+  const GoalId id = random_gid();
   const auto earlier = replace_goal(id);
   Value request = id_request(id);
   request.as_map().append("goal", goal);

@@ -9,7 +9,6 @@
 #include <segue/ros2/message_codec.hpp>
 #include <segue/type/value.hpp>
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -93,7 +92,7 @@ class RemoteAction {
   [[nodiscard]] std::vector<segue::ros2::Gid> subscriptions() const;
 
  private:
-  using GoalId = std::array<std::uint8_t, 16>;
+  using GoalId = segue::ros2::Gid;
   struct Goal {
     GoalId id{};
     GoalState state = GoalState::Asked;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <random>
-#include <set>
 
 namespace ros2 {
 namespace {
@@ -27,34 +26,14 @@ std::uint64_t random_number() {
   return std::uint64_t{random()} << 32U | random();
 }
 
+}  // namespace
+
 Gid random_gid() {
   std::random_device random;
   Gid gid{};
   std::ranges::generate(gid, [&] { return static_cast<std::uint8_t>(random()); });
   return gid;
 }
-
-/// An endpoint's participant.
-std::array<std::uint8_t, 12> prefix_of(const Gid& gid) {
-  std::array<std::uint8_t, 12> prefix{};
-  std::copy_n(gid.begin(), prefix.size(), prefix.begin());
-  return prefix;
-}
-
-class ResponseSink final : public MessageSink {
- public:
-  bool take(std::span<const std::byte> message) noexcept override {
-    try {
-      bytes.assign(message.begin(), message.end());
-      return true;
-    } catch (const std::bad_alloc&) {
-      return false;
-    }
-  }
-  std::vector<std::byte> bytes;
-};
-
-}  // namespace
 
 segue::Result<std::unique_ptr<Requester>> Requester::make(std::shared_ptr<Participant> participant,
                                                           segue::ros2::InterfaceLibrary& library,
@@ -128,13 +107,13 @@ bool Requester::is_served() const {
 }
 
 segue::Result<std::optional<ServiceMapping>> Requester::mapping_of_servers() const {
-  std::set<std::array<std::uint8_t, 12>> answer;
-  for (const auto& endpoint : participant_->graph().endpoints(response_topic_, true))
-    answer.insert(prefix_of(endpoint.gid));
+  const auto answers = participant_->graph().endpoints(response_topic_, true);
   std::optional<ServiceMapping> found;
   for (const auto& endpoint : participant_->graph().endpoints(request_topic_, false)) {
     const bool is_ready = participant_->has_acknowledged(endpoint.gid, gid_of(writer_->guid()));
-    if (!is_ready || !answer.contains(prefix_of(endpoint.gid))) continue;
+    const bool has_both = std::ranges::any_of(
+        answers, [&](const auto& answer) { return segue::ros2::same_participant(answer.gid, endpoint.gid); });
+    if (!is_ready || !has_both) continue;
     const ServiceMapping mapping = segue::ros2::mapping_of(endpoint.gid);
     if (found && *found != mapping) {
       return fail(
@@ -289,7 +268,7 @@ void Requester::take_response(const Gid& server, const Number& number, Response 
 }
 
 void Requester::on_data_available(dds::DataReader* reader) {
-  ResponseSink sink;
+  BytesSink sink;
   dds::SampleInfo info;
   while (reader->take_next_sample(static_cast<MessageSink*>(&sink), &info) == ReturnCode_t::RETCODE_OK) {
     if (!info.valid_data) continue;

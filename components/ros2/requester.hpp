@@ -26,6 +26,9 @@
 
 namespace ros2 {
 
+/// An identifier of its own for a client, a server or a goal.
+segue::ros2::Gid random_gid();
+
 /// A client of a service of ROS 2, in the mapping that its server speaks (service_message.hpp). Any thread.
 class Requester final : private dds::DataReaderListener, private dds::DataWriterListener {
  public:

@@ -60,9 +60,25 @@ struct ActionStatistics {
   std::uint32_t servers = 0;   ///< now
 };
 
+/// All counted since the task was configured.
+struct ServerStatistics {
+  std::uint64_t requests = 0;    ///< that were written to `request`
+  std::uint64_t responses = 0;   ///< that were sent
+  std::uint64_t refused = 0;     ///< requests when too many waited, or a connection of `request` had no room
+  std::uint64_t corrupt = 0;     ///< requests that are no such messages
+  std::uint64_t unsent = 0;      ///< responses that exceed a bound, or that Fast DDS does not take
+  std::uint64_t unanswered = 0;  ///< requests to which no response came in time
+  std::uint64_t unasked = 0;     ///< responses when no request was under way
+  std::uint64_t early = 0;       ///< requests that came while the task did not run
+  std::uint32_t waiting = 0;     ///< requests now, beside the one that is served
+  std::uint32_t clients = 0;     ///< now
+};
+
 SEGUE_TYPE(PublisherStatistics, sent, refused, bytes, missed, matched, mismatched)
 SEGUE_TYPE(SubscriptionStatistics, received, early, refused, lost, corrupt, bytes, missed, matched,
            mismatched)
+SEGUE_TYPE(ServerStatistics, requests, responses, refused, corrupt, unsent, unanswered, unasked, early,
+           waiting, clients)
 SEGUE_TYPE(ActionStatistics, goals, feedback, corrupt, servers)
 
 }  // namespace ros2

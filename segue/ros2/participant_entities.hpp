@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +14,11 @@ namespace segue::ros2 {
 
 /// The GUID of a participant, publisher or subscription on DDS.
 using Gid = std::array<std::uint8_t, 16>;
+
+/// Whether both are of one participant: their first twelve bytes.
+inline bool same_participant(const Gid& a, const Gid& b) {
+  return std::equal(a.begin(), a.begin() + 12, b.begin());
+}
 
 /// A node, and the endpoints on DDS that are its own.
 struct NodeEntities {

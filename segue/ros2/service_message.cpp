@@ -34,6 +34,13 @@ void put(std::vector<std::byte>& bytes, Number number, bool little) {
   bytes.insert(bytes.end(), ordered.begin(), ordered.end());
 }
 
+std::string user_data(std::string_view key, const Gid& whose) {
+  std::string text(key);
+  for (std::size_t i = 0; i < whose.size(); ++i)
+    text += fmt::format("{}{:x}", i == 0 ? "=" : ".", whose[i]);
+  return text + ";";
+}
+
 }  // namespace
 
 ServiceMapping mapping_of(const Gid& endpoint) {
@@ -61,10 +68,11 @@ std::optional<IdentifiedMessage> split_request_id(std::span<const std::byte> byt
 }
 
 std::string client_user_data(const Gid& client) {
-  std::string text = "clientid=";
-  for (std::size_t i = 0; i < client.size(); ++i)
-    text += fmt::format("{}{:x}", i == 0 ? "" : ".", client[i]);
-  return text + ";";
+  return user_data("clientid", client);
+}
+
+std::string server_user_data(const Gid& server) {
+  return user_data("serviceid", server);
 }
 
 }  // namespace segue::ros2

@@ -44,5 +44,7 @@ std::optional<IdentifiedMessage> split_request_id(std::span<const std::byte> byt
 /// The user data of the endpoints of a client, by which servers of rmw_cyclonedds wait for its response
 /// reader: "clientid=1.f.0...;".
 std::string client_user_data(const Gid& client);
+/// Of the endpoints of a server: "serviceid=1.f.0...;".
+std::string server_user_data(const Gid& server);
 
 }  // namespace segue::ros2
