@@ -87,6 +87,7 @@ TEST_P(Services, CallsAtTheSameTimeGetTheirOwnResponses) {
     return requests.size() == answers.size();
   }));
   std::ranges::reverse(requests);
+  ASSERT_TRUE(eventually([&] { return peer->clients() > 0; }));
   for (const Request& one : requests)
     respond(one, set_bool.request.decode(one.message).value().find("data")->as_bool(), "");
   for (int i = 0; i < 8; ++i) {
