@@ -79,7 +79,8 @@ segue init makes."
   PACKAGE_DEPENDS "segue ${same}")
 segue_package(ros2 segue-ros2 "topics and services of ROS 2 as tasks of Segue"
   "This package has components that publish and subscribe to topics of ROS 2, and
-call its services. An installation of ROS 2 is not needed."
+call its services, and the program by which the command looks at its nodes. An
+installation of ROS 2 is not needed."
   PACKAGE_DEPENDS "segue ${same}")
 segue_package(examples segue-examples "examples of robots, components and missions for Segue"
   "This package has robots and programs to read and to try, each explained."

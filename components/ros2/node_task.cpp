@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node_task.hpp"
+#include "settings.hpp"
 
 #include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
 
 #include <algorithm>
-#include <charconv>
-#include <cstdlib>
 #include <string_view>
 #include <utility>
 
@@ -16,32 +15,6 @@ namespace {
 using segue::ErrorCode;
 using segue::fail;
 using segue::quote;
-
-std::string_view environment(const char* variable) {
-  const char* text = std::getenv(variable);
-  return text == nullptr ? std::string_view() : std::string_view(text);
-}
-
-segue::Result<std::uint32_t> domain_of_environment() {
-  const std::string_view text = environment("ROS_DOMAIN_ID");
-  std::uint32_t domain = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
-  if (text.empty() || (error == std::errc() && end == text.data() + text.size())) return domain;
-  return fail(ErrorCode::InvalidArgument,
-              "$ROS_DOMAIN_ID is " + quote(text) + ", which is not a valid number");
-}
-
-/// From Iron on there is a range, before it a switch.
-segue::Result<bool> is_localhost_only(std::string_view wanted) {
-  if (wanted == "localhost") return true;
-  if (wanted == "subnet") return false;
-  if (!wanted.empty()) {
-    return fail(ErrorCode::InvalidArgument,
-                "discovery " + quote(wanted) + " is not known: expected localhost or subnet");
-  }
-  const std::string_view range = environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
-  return range == "LOCALHOST" || (range.empty() && environment("ROS_LOCALHOST_ONLY") == "1");
-}
 
 /// The id of a task, such as "front.camera", as the name of a node.
 std::string node_name_of(std::string_view task) {
@@ -56,19 +29,6 @@ std::string node_name_of(std::string_view task) {
 }
 
 }  // namespace
-
-segue::Result<Settings> NodeTask::wanted_settings() const {
-  Settings settings;
-  auto localhost = is_localhost_only(*discovery_);
-  if (!localhost) return localhost.error();
-  settings.localhost_only = *localhost;
-  settings.domain = static_cast<std::uint32_t>(std::max(*domain_, 0));
-  if (*domain_ >= 0) return settings;
-  auto domain = domain_of_environment();
-  if (!domain) return domain.error();
-  settings.domain = *domain;
-  return settings;
-}
 
 segue::Result<void> NodeTask::name_node(std::string_view prefix) {
   const std::string text = node_text_->empty() ? std::string(prefix) + node_name_of(id()) : *node_text_;
@@ -88,7 +48,7 @@ segue::Result<void> NodeTask::name_node(std::string_view prefix) {
 
 segue::Result<void> NodeTask::join(std::string_view prefix) {
   if (auto named = name_node(prefix); !named) return named;
-  auto settings = wanted_settings();
+  auto settings = settings_from(*domain_, *discovery_);
   if (!settings) return settings.error();
   auto joined = Participant::join(*settings);
   if (!joined) {

@@ -36,7 +36,6 @@ class NodeTask : public segue::task::Component {
   [[nodiscard]] std::shared_ptr<Participant> shared_participant() const;
 
  private:
-  [[nodiscard]] segue::Result<Settings> wanted_settings() const;
   segue::Result<void> name_node(std::string_view prefix);
 
   segue::task::Property<std::vector<std::string>> interfaces_{

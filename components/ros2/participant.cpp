@@ -10,6 +10,7 @@
 #include <fastdds/rtps/reader/ReaderDiscoveryInfo.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/writer/WriterDiscoveryInfo.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
@@ -86,6 +87,19 @@ dds::DomainParticipantQos quality_of(const Settings& settings,
 std::string to_string(const Settings& settings) {
   return "domain " + std::to_string(settings.domain) +
          (settings.localhost_only ? ", on this computer only" : ", on all networks");
+}
+
+template <class Locators>
+std::vector<segue::ros2::UdpAddress> addresses_of(const Locators& locators) {
+  std::vector<segue::ros2::UdpAddress> found;
+  for (const rtps::Locator_t& locator : locators) {
+    if (locator.kind != LOCATOR_KIND_UDPv4) continue;
+    segue::ros2::UdpAddress address;
+    std::copy_n(rtps::IPLocator::getIPv4(locator), address.host.size(), address.host.begin());
+    address.port = rtps::IPLocator::getPhysicalPort(locator);
+    found.push_back(address);
+  }
+  return found;
 }
 
 /// The nodes of other participants that wait to be read.
@@ -305,7 +319,8 @@ void Participant::on_participant_discovery(dds::DomainParticipant*, rtps::Partic
   }
   const auto& data = info.info.m_userData.data_vec();
   if (std::string_view(reinterpret_cast<const char*>(data.data()), data.size()).starts_with("enclave="))
-    graph_.add_participant(gid);
+    graph_.add_participant(gid, addresses_of(info.info.metatraffic_locators.unicast));
+  tell_watchers();
 }
 
 void Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {

@@ -49,7 +49,7 @@ class Peer {
   /// One of each at a time; the earlier one leaves.
   virtual void advertise(const TopicOf& topic) = 0;
   virtual void subscribe(const TopicOf& topic) = 0;
-  /// Says on ros_discovery_info that its endpoints are those of this node.
+  /// Says on ros_discovery_info that its endpoints, those of its service included, are those of this node.
   virtual void announce(const std::string& node) = 0;
   virtual void publish(const Bytes& message) = 0;
   /// The messages that have come since the last call.

@@ -146,6 +146,8 @@ class CyclonePeer final : public Peer {
     segue::ros2::NodeEntities entities{"/", node, {}, {}};
     if (in_) entities.subscriptions.push_back(gid_of(in_->entity));
     if (out_) entities.publishers.push_back(gid_of(out_->entity));
+    if (requests_) entities.subscriptions.push_back(gid_of(requests_->entity));
+    if (responses_) entities.publishers.push_back(gid_of(responses_->entity));
     entities_out_->write(segue::ros2::encode({gid_of(participant_), {entities}}));
   }
   void publish(const Bytes& message) override { out_->write(message); }

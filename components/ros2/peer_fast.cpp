@@ -148,7 +148,17 @@ struct FastParticipant {
   edds::DomainParticipant* participant = nullptr;
   edds::Publisher* publisher = nullptr;
   edds::Subscriber* subscriber = nullptr;
+  edds::DataWriter* entities_out = nullptr;
+  std::map<const Peer*, segue::ros2::NodeEntities> nodes;  ///< as each has announced
 };
+
+/// Peers with one name are one node.
+void add(const segue::ros2::NodeEntities& part, std::vector<segue::ros2::NodeEntities>& nodes) {
+  auto node = std::ranges::find(nodes, part.name, &segue::ros2::NodeEntities::name);
+  if (node == nodes.end()) node = nodes.insert(nodes.end(), {part.name_space, part.name});
+  node->publishers.insert(node->publishers.end(), part.publishers.begin(), part.publishers.end());
+  node->subscriptions.insert(node->subscriptions.end(), part.subscriptions.begin(), part.subscriptions.end());
+}
 
 class FastPeer final : public Peer {
  public:
@@ -161,7 +171,9 @@ class FastPeer final : public Peer {
     latched.durability = segue::ros2::Durability::TransientLocal;
     latched.depth = 1;
     auto* nodes = topic("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
-    entities_out_ = publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, ""));
+    if (shared_->entities_out == nullptr)
+      shared_->entities_out =
+          publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, ""));
     latched.depth = 0;
     entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
   }
@@ -181,8 +193,14 @@ class FastPeer final : public Peer {
     segue::ros2::NodeEntities entities{"/", node, {}, {}};
     if (in_ != nullptr) entities.subscriptions.push_back(gid_of(in_->guid()));
     if (out_ != nullptr) entities.publishers.push_back(gid_of(out_->guid()));
-    Bytes message = segue::ros2::encode({gid_of(participant_->guid()), {entities}});
-    entities_out_->write(&message);
+    if (requests_ != nullptr) entities.subscriptions.push_back(gid_of(requests_->guid()));
+    if (responses_ != nullptr) entities.publishers.push_back(gid_of(responses_->guid()));
+    shared_->nodes[this] = entities;
+    ParticipantEntities all{gid_of(participant_->guid()), {}};
+    for (const auto& [peer, part] : shared_->nodes)
+      add(part, all.nodes);
+    Bytes message = segue::ros2::encode(all);
+    shared_->entities_out->write(&message);
   }
   void publish(const Bytes& message) override {
     Bytes bytes = message;
@@ -316,7 +334,6 @@ class FastPeer final : public Peer {
   edds::DomainParticipant* const participant_;
   edds::Publisher* const publisher_;
   edds::Subscriber* const subscriber_;
-  edds::DataWriter* entities_out_ = nullptr;
   edds::DataReader* entities_in_ = nullptr;
   edds::DataWriter* out_ = nullptr;
   edds::DataReader* in_ = nullptr;

@@ -35,13 +35,15 @@ void NodeGraph::remove(const Gid& endpoint) {
   endpoints_.erase(endpoint);
 }
 
-void NodeGraph::add_participant(const Gid& participant) {
+void NodeGraph::add_participant(const Gid& participant, std::vector<UdpAddress> addresses) {
   const Lock lock(mutex_);
-  participants_.try_emplace(participant, ParticipantEntities{participant, {}});
+  SeenParticipant& seen = participants_[participant];
+  seen.entities.participant = participant;
+  seen.addresses = std::move(addresses);
 }
 
 void NodeGraph::forget_nodes(const Gid& participant) {
-  for (const NodeEntities& node : participants_[participant].nodes) {
+  for (const NodeEntities& node : participants_[participant].entities.nodes) {
     for (const auto* gids : {&node.subscriptions, &node.publishers}) {
       for (const Gid& gid : *gids)
         nodes_.erase(gid);
@@ -58,7 +60,7 @@ void NodeGraph::remove_participant(const Gid& participant) {
 void NodeGraph::set(const ParticipantEntities& entities) {
   const Lock lock(mutex_);
   forget_nodes(entities.participant);
-  participants_[entities.participant] = entities;
+  participants_[entities.participant].entities = entities;
   for (const NodeEntities& node : entities.nodes) {
     for (const auto* gids : {&node.subscriptions, &node.publishers}) {
       for (const Gid& gid : *gids)
@@ -94,9 +96,9 @@ std::string NodeGraph::node_of(const Gid& endpoint) const {
 bool NodeGraph::has_node(std::string_view name, const Gid& own) const {
   const Lock lock(mutex_);
   return std::ranges::any_of(participants_, [&](const auto& each) {
-    return each.first != own && std::ranges::any_of(each.second.nodes, [&](const NodeEntities& node) {
-             return full_name(node) == name;
-           });
+    return each.first != own &&
+           std::ranges::any_of(each.second.entities.nodes,
+                               [&](const NodeEntities& node) { return full_name(node) == name; });
   });
 }
 
@@ -104,10 +106,20 @@ std::vector<std::string> NodeGraph::nodes() const {
   std::vector<std::string> names;
   const Lock lock(mutex_);
   for (const auto& [gid, participant] : participants_) {
-    for (const NodeEntities& node : participant.nodes)
+    for (const NodeEntities& node : participant.entities.nodes)
       names.push_back(full_name(node));
   }
   return names;
+}
+
+GraphSnapshot NodeGraph::snapshot() const {
+  GraphSnapshot all;
+  const Lock lock(mutex_);
+  for (const auto& [gid, participant] : participants_)
+    all.participants.push_back(participant);
+  for (const auto& [gid, endpoint] : endpoints_)
+    all.endpoints.push_back(endpoint);
+  return all;
 }
 
 std::vector<Mismatch> NodeGraph::mismatches_of(const Endpoint& own) const {

@@ -5,6 +5,8 @@
 #include <segue/ros2/participant_entities.hpp>
 #include <segue/ros2/quality.hpp>
 
+#include <array>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
@@ -22,6 +24,24 @@ struct Endpoint {
   Quality quality{};        ///< its depth is not known
 };
 
+/// Where a participant gets what others say of themselves (UDP on IPv4).
+struct UdpAddress {
+  std::array<std::uint8_t, 4> host{};
+  std::uint16_t port = 0;
+};
+
+/// A participant of ROS 2.
+struct SeenParticipant {
+  ParticipantEntities entities;
+  std::vector<UdpAddress> addresses{};
+};
+
+/// All that is known at one time.
+struct GraphSnapshot {
+  std::vector<SeenParticipant> participants;
+  std::vector<Endpoint> endpoints;
+};
+
 /// Why no samples travel between an own endpoint and another one on its topic.
 struct Mismatch {
   std::string text;  ///< "node /talker publishes /chatter, but reliability: best_effort is offered, ..."
@@ -32,8 +52,8 @@ struct Mismatch {
 /// All that is known of nodes and their endpoints. Any thread.
 class NodeGraph {
  public:
-  /// Notes a participant of ROS 2, whose nodes will be told.
-  void add_participant(const Gid& participant);
+  /// Notes a participant of ROS 2, whose nodes will be told, or that it has other addresses now.
+  void add_participant(const Gid& participant, std::vector<UdpAddress> addresses = {});
   /// Adds the endpoint, or replaces what is known of it.
   void set(Endpoint endpoint);
   void remove(const Gid& endpoint);
@@ -49,6 +69,7 @@ class NodeGraph {
   [[nodiscard]] bool has_node(std::string_view name, const Gid& own) const;
   /// All nodes: "/talker".
   [[nodiscard]] std::vector<std::string> nodes() const;
+  [[nodiscard]] GraphSnapshot snapshot() const;
 
   /// Those between an own endpoint and those of others on its topic.
   [[nodiscard]] std::vector<Mismatch> mismatches_of(const Endpoint& own) const;
@@ -59,7 +80,7 @@ class NodeGraph {
   void forget_nodes(const Gid& participant) SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool is_of_ros(const Gid& endpoint) const;
 
-  std::map<Gid, ParticipantEntities> participants_ SEGUE_GUARDED_BY(mutex_);
+  std::map<Gid, SeenParticipant> participants_ SEGUE_GUARDED_BY(mutex_);
   std::map<Gid, std::string> nodes_ SEGUE_GUARDED_BY(mutex_);  ///< by endpoint
 };
 

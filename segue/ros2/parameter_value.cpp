@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -118,6 +119,28 @@ Result<Value> parameters_request(const Value& parameters, std::string_view path)
   Value::List list;
   if (auto done = append(list, parameters, "", path); !done) return done.error();
   return Value::map({{"parameters", Value(std::move(list))}});
+}
+
+Value parameter_from(const Value& message) {
+  constexpr std::array<const char*, 10> kFields = {"",
+                                                   "bool_value",
+                                                   "integer_value",
+                                                   "double_value",
+                                                   "string_value",
+                                                   "byte_array_value",
+                                                   "bool_array_value",
+                                                   "integer_array_value",
+                                                   "double_array_value",
+                                                   "string_array_value"};
+  const auto number = static_cast<std::size_t>(message.find("type")->as_uint());
+  return number == 0 || number >= kFields.size() ? Value() : *message.find(kFields[number]);
+}
+
+std::string_view parameter_kind(std::int64_t number) {
+  constexpr std::array<std::string_view, 10> kNames = {
+      "not set",    "boolean",       "integer",       "double",       "string",
+      "byte array", "boolean array", "integer array", "double array", "string array"};
+  return number < 0 || number >= std::ssize(kNames) ? "unknown" : kNames[static_cast<std::size_t>(number)];
 }
 
 }  // namespace segue::ros2

@@ -4,6 +4,7 @@
 #include <segue/base/result.hpp>
 #include <segue/type/value.hpp>
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -20,5 +21,11 @@ Result<type::Value> parameters_request(const type::Value& parameters, std::strin
 /// take with
 /// --params-file. `parameters` must be one that parameters_request() takes.
 std::string parameter_file(std::string_view node, const type::Value& parameters);
+
+/// A parameter from its rcl_interfaces/msg/ParameterValue, which may be of a later version: null where it is
+/// not set or of no known kind.
+type::Value parameter_from(const type::Value& message);
+/// The name of a rcl_interfaces/msg/ParameterType as ROS 2 shows it: "integer", "double array"; "not set".
+std::string_view parameter_kind(std::int64_t number);
 
 }  // namespace segue::ros2

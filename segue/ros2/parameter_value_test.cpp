@@ -71,5 +71,25 @@ TEST(ParameterFiles, AreReadByYaml11AsTheyAreMeant) {
       "\"on\": \"yes\", \"pid\": {\"order\": [0.5, 1.0]}}}\n");
 }
 
+TEST(ParameterValues, OfMessagesAreThoseThatWereSent) {
+  const Value given = Value::map({{"a", true},
+                                  {"b", 3},
+                                  {"c", 0.5},
+                                  {"d", "text"},
+                                  {"e", Value::list({1, 2})},
+                                  {"f", Value::list({0.5})},
+                                  {"g", Value::list({"x"})},
+                                  {"h", Value::list({true, false})}});
+  const Value all = sent(given);
+  for (const Value& one : all.as_list()) {
+    const Value& message = *one.find("value");
+    EXPECT_EQ(parameter_from(message), *given.find(one.find("name")->as_string()));
+  }
+  EXPECT_EQ(parameter_from(Value::map({{"type", 0}})), Value()) << "it is not set";
+  EXPECT_EQ(parameter_from(Value::map({{"type", 10}})), Value()) << "ROS 2 may get more kinds";
+  EXPECT_EQ(parameter_kind(8), "double array");
+  EXPECT_EQ(parameter_kind(10), "unknown");
+}
+
 }  // namespace
 }  // namespace segue::ros2

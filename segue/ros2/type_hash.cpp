@@ -28,25 +28,33 @@ void append(const MessageDefinition& message, std::string& text) {
   text += "]}";
 }
 
+std::string type_description(std::span<const MessageDefinition* const> messages) {
+  std::string text = R"({"type_description": )";
+  append(*messages.front(), text);
+  text += R"(, "referenced_type_descriptions": [)";
+  for (std::size_t i = 1; i < messages.size(); ++i) {
+    if (i > 1) text += ", ";
+    append(*messages[i], text);
+  }
+  return text + "]}";
+}
+
 }  // namespace
 
 Result<std::string> type_description(InterfaceLibrary& library, std::string_view name) {
   const auto messages = library.with_parts(name);
   if (!messages) return messages.error();
-  std::string text = R"({"type_description": )";
-  append(*messages->front(), text);
-  text += R"(, "referenced_type_descriptions": [)";
-  for (std::size_t i = 1; i < messages->size(); ++i) {
-    if (i > 1) text += ", ";
-    append(*messages->at(i), text);
-  }
-  return text + "]}";
+  return type_description(*messages);
+}
+
+std::string type_hash(std::span<const MessageDefinition* const> messages) {
+  return "RIHS01_" + sha256(type_description(messages));
 }
 
 Result<std::string> type_hash(InterfaceLibrary& library, std::string_view name) {
-  const auto description = type_description(library, name);
-  if (!description) return description.error();
-  return "RIHS01_" + sha256(*description);
+  const auto messages = library.with_parts(name);
+  if (!messages) return messages.error();
+  return type_hash(*messages);
 }
 
 }  // namespace segue::ros2

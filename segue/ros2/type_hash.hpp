@@ -4,6 +4,7 @@
 #include <segue/base/result.hpp>
 #include <segue/ros2/interface_library.hpp>
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,7 @@ Result<std::string> type_description(InterfaceLibrary& library, std::string_view
 /// "RIHS01_" and the SHA-256 of the type description, in hexadecimal: by it, nodes from Iron on tell whether
 /// they mean the same interface.
 Result<std::string> type_hash(InterfaceLibrary& library, std::string_view name);
+/// Of a message and its parts, as InterfaceLibrary::with_parts() returns them.
+std::string type_hash(std::span<const MessageDefinition* const> messages);
 
 }  // namespace segue::ros2

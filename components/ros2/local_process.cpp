@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "local_process.hpp"
+
+#include <segue/base/file.hpp>
+#include <segue/base/text.hpp>
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
+
+namespace ros2 {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_own(const std::array<std::uint8_t, 4>& host) {
+  if (host[0] == 127) return true;
+  ifaddrs* all = nullptr;
+  if (::getifaddrs(&all) != 0) return false;
+  bool found = false;
+  for (const ifaddrs* one = all; one != nullptr && !found; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+    sockaddr_in address{};
+    std::memcpy(&address, one->ifa_addr, sizeof address);
+    found = std::memcmp(&address.sin_addr, host.data(), host.size()) == 0;
+  }
+  ::freeifaddrs(all);
+  return found;
+}
+
+/// "socket:[INODE]" of the sockets that receive at the port (proc_net(5)).
+std::vector<std::string> sockets_at(std::uint16_t port) {
+  std::vector<std::string> sockets;
+  const auto text = segue::read_file("/proc/net/udp");
+  std::istringstream lines(text ? *text : "");
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::vector<std::string> cells;
+    for (std::string word; words >> word;)
+      cells.push_back(word);
+    constexpr std::size_t kAddress = 1;
+    constexpr std::size_t kInode = 9;
+    if (cells.size() <= kInode) continue;
+    const std::string& address = cells[kAddress];
+    const std::size_t colon = std::min(address.find(':'), address.size() - 1);
+    unsigned its = 0;
+    std::from_chars(address.data() + colon + 1, address.data() + address.size(), its, 16);
+    if (its == port) sockets.push_back("socket:[" + cells[kInode] + "]");
+  }
+  return sockets;
+}
+
+bool has_one_of(const fs::path& process, const std::vector<std::string>& sockets) {
+  std::error_code problem;
+  for (fs::directory_iterator file(process / "fd", problem), end; !problem && file != end;
+       file.increment(problem)) {
+    std::error_code unreadable;
+    const fs::path target = fs::read_symlink(file->path(), unreadable);
+    if (!unreadable && std::ranges::find(sockets, target.native()) != sockets.end()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
+  if (!is_own(address.host)) return {};
+  const auto sockets = sockets_at(address.port);
+  if (sockets.empty()) return {};
+  std::error_code problem;
+  for (fs::directory_iterator entry("/proc", problem), end; !problem && entry != end;
+       entry.increment(problem)) {
+    const std::string name = entry->path().filename().string();
+    pid_t process = 0;
+    const auto [rest, error] = std::from_chars(name.data(), name.data() + name.size(), process);
+    if (error != std::errc() || rest != name.data() + name.size()) continue;
+    if (has_one_of(entry->path(), sockets)) return process;
+  }
+  return {};
+}
+
+std::vector<std::string> command_of(pid_t process) {
+  const auto text = segue::read_file("/proc/" + std::to_string(process) + "/cmdline");
+  std::vector<std::string> words;
+  if (!text || text->empty()) return words;
+  const std::string_view all = std::string_view(*text).substr(0, text->size() - 1);  // each word ends in NUL
+  for (const std::string_view word : segue::split(all, '\0'))
+    words.emplace_back(word);
+  return words;
+}
+
+}  // namespace ros2

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "look.hpp"
+#include "node_peer.hpp"
+#include "topics_test_support.hpp"
+
+#include <unistd.h>
+
+namespace ros2::testing {
+namespace {
+
+using segue::type::Value;
+using LookFault = NodePeer::Fault;
+
+class Looks : public ::testing::TestWithParam<Middleware> {
+ protected:
+  static std::function<std::unique_ptr<Peer>()> peers() {
+    if (GetParam() == Middleware::FastDds) return fast_peers_of_one_node(own_domain());
+    return [] { return make_cyclone_peer(own_domain()); };
+  }
+  /// Ends when the node has been found.
+  static Look at(const std::string& node) {
+    Look request;
+    request.domain = static_cast<std::int32_t>(own_domain());
+    request.discovery = "localhost";
+    request.wait = request.patience = std::chrono::seconds(120);
+    request.nodes = {node};
+    return request;
+  }
+  /// The description of /lidar; until all of its endpoints are seen, since its parts come one by one.
+  static Value lidar(const Look& request) {
+    Value found;
+    static_cast<void>(eventually([&] {
+      const auto seen = look(request, {});
+      EXPECT_TRUE(seen) << segue::to_string(seen.error());
+      for (const Value& node : seen ? seen->find("nodes")->as_list() : Value::List()) {
+        if (node.find("name")->as_string() == "/lidar") found = node;
+      }
+      return !seen || found.find("services")->as_list().size() == 7;
+    }));
+    return found;
+  }
+  static Value parameter(const Value& node, const std::string& name) {
+    for (const Value& one : node.find("parameters")->as_list()) {
+      if (one.find("name")->as_string() == name) return one;
+    }
+    return Value::map({});
+  }
+};
+
+TEST_P(Looks, DescribeANodeWithItsStateAndParameters) {
+  NodePeer peer(peers());
+  const Value node = lidar(at("/lidar"));
+  EXPECT_EQ(*node.find("managed"), Value(true));
+  EXPECT_EQ(*node.find("state"), Value("active"));
+  EXPECT_EQ(*node.find("problems"), Value(Value::List()));
+  EXPECT_EQ(*node.find("process")->find("pid"), Value(std::int64_t{::getpid()}));
+  const Value& scan = node.find("publishers")->as_list().front();
+  EXPECT_EQ(*scan.find("type"), Value("lidar_msgs/msg/Sweep"));
+  EXPECT_EQ(*scan.find("hash"), Value(peer.hash()));
+  EXPECT_EQ(*scan.find("quality")->find("reliability"), Value("best_effort"));
+  EXPECT_EQ(parameter(node, "rate"),
+            Value::map({{"name", "rate"},
+                        {"kind", "integer"},
+                        {"value", 10},
+                        {"read_only", false},
+                        {"description", "scans a second"},
+                        {"constraints", ""},
+                        {"range", Value::map({{"from", 1}, {"to", 40}, {"step", 1}})}}));
+  EXPECT_EQ(*parameter(node, "serial").find("read_only"), Value(true));
+  EXPECT_EQ(*parameter(node, "offsets").find("value"), Value::list({0.5, 1.0}));
+}
+
+TEST_P(Looks, FindTypesThatAreNotBuiltIn) {
+  NodePeer peer(peers());
+  Look request = at("/lidar");
+  request.types = true;
+  const Value node = lidar(request);
+  EXPECT_EQ(*node.find("files"),
+            Value::map({{"lidar_msgs/msg/Sweep.msg", "std_msgs/Header header\nfloat32[<=720] ranges\n"}}));
+}
+
+TEST_P(Looks, RefuseATypeThatIsNotTheOneThatWasAnnounced) {
+  NodePeer peer(peers(), LookFault::TellsAnotherType);
+  Look request = at("/lidar");
+  request.types = true;
+  const Value node = lidar(request);
+  EXPECT_EQ(*node.find("files"), Value::map({}));
+  ASSERT_EQ(node.find("problems")->as_list().size(), 1U);
+  EXPECT_THAT(node.find("problems")->as_list().front().as_string(),
+              HasSubstr("what the node tells is another type"));
+}
+
+TEST_P(Looks, SayWhatANodeDoesNotAnswerAndShowTheRest) {
+  NodePeer peer(peers(), LookFault::HidesParameters);
+  Look request = at("/lidar");
+  request.patience = std::chrono::seconds(10);
+  const Value node = lidar(request);
+  EXPECT_EQ(*node.find("state"), Value("active"));
+  EXPECT_EQ(*node.find("parameters"), Value(Value::List()));
+  ASSERT_EQ(node.find("problems")->as_list().size(), 1U);
+  EXPECT_THAT(node.find("problems")->as_list().front().as_string(),
+              HasSubstr("parameters: service /lidar/list_parameters has not answered in time"));
+}
+
+TEST_P(Looks, SayThatAnswersDoNotFitTogether) {
+  NodePeer peer(peers(), LookFault::LosesParameters);
+  const Value node = lidar(at("/lidar"));
+  ASSERT_EQ(node.find("problems")->as_list().size(), 1U);
+  EXPECT_THAT(node.find("problems")->as_list().front().as_string(), HasSubstr("does not answer for each"));
+}
+
+TEST_P(Looks, SayThatANodeIsNotThere) {
+  Look request = at("/nobody");
+  request.wait = std::chrono::milliseconds(100);
+  EXPECT_THAT(segue::to_string(look(request, {}).error()), HasSubstr("no node '/nobody'"));
+}
+
+TEST_P(Looks, EndWhenTheyAreStopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(look(at("/nobody"), stop.get_token()).error().code, segue::ErrorCode::Cancelled);
+}
+
+INSTANTIATE_TEST_SUITE_P(, Looks, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
+                         middleware_name);
+
+TEST(Look, IsReadFromARequest) {
+  const auto request = parse_look(Value::map({{"domain", 7},
+                                              {"discovery", "localhost"},
+                                              {"wait", "2s"},
+                                              {"nodes", Value::list({"/a"})},
+                                              {"types", true}}));
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->domain, 7);
+  EXPECT_EQ(request->wait, std::chrono::seconds(2));
+  EXPECT_EQ(request->nodes, Texts{"/a"});
+  EXPECT_TRUE(request->types);
+  EXPECT_FALSE(request->all);
+  EXPECT_FALSE(parse_look(Value::map({{"wait", "soon"}})));
+}
+
+}  // namespace
+}  // namespace ros2::testing

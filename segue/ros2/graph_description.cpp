@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <segue/ros2/graph_description.hpp>
+
+#include <segue/base/text.hpp>
+#include <segue/ros2/dds_names.hpp>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace segue::ros2 {
+namespace {
+
+using type::Value;
+using type::ValueMap;
+
+constexpr std::string_view kActionPart = "/_action/";
+
+/// Of an endpoint: which service or action it serves or uses.
+struct Role {
+  std::string name;  ///< "/lamp/set"
+  std::string type;  ///< "std_srvs/srv/SetBool"
+  bool serves = false;
+  bool is_action = false;
+};
+
+bool drop_suffix(std::string& text, std::string_view suffix) {
+  if (!text.ends_with(suffix)) return false;
+  text.resize(text.size() - suffix.size());
+  return true;
+}
+
+/// By the endpoint of requests, which servers read and clients write; nothing for all others.
+std::optional<Role> role_of(const Endpoint& endpoint) {
+  constexpr std::string_view kRequests = "rq/";
+  if (!endpoint.topic.starts_with(kRequests)) return {};
+  Role role{endpoint.topic.substr(kRequests.size() - 1), interface_of_dds_type(endpoint.type),
+            !endpoint.publishes, false};
+  if (!drop_suffix(role.name, "Request") || !drop_suffix(role.type, "_Request")) return {};
+  const std::size_t part = role.name.find(kActionPart);
+  if (part == std::string::npos) return role;
+  // An action is known by the first of its services.
+  if (role.name.substr(part + kActionPart.size()) != "send_goal" || !drop_suffix(role.type, "_SendGoal"))
+    return {};
+  role.name.resize(part);
+  role.is_action = true;
+  return role;
+}
+
+bool is_topic(const Endpoint& endpoint) {
+  return endpoint.topic.starts_with("rt/") && endpoint.topic.find(kActionPart) == std::string::npos;
+}
+
+Value to_value(const Quality& quality) {
+  ValueMap map;
+  map.set("reliability", to_string(quality.reliability));
+  map.set("durability", to_string(quality.durability));
+  if (quality.liveliness != Liveliness::Automatic) map.set("liveliness", to_string(quality.liveliness));
+  for (const auto& [name, duration] :
+       {std::pair{"deadline", quality.deadline}, {"lifespan", quality.lifespan}, {"lease", quality.lease}}) {
+    if (duration.count() > 0) map.set(name, format_duration(duration));
+  }
+  return map;
+}
+
+Value topic_value(const Endpoint& endpoint) {
+  return Value::map({{"topic", topic_of_dds_name(endpoint.topic)},
+                     {"type", interface_of_dds_type(endpoint.type)},
+                     {"hash", endpoint.type_hash},
+                     {"quality", to_value(endpoint.quality)}});
+}
+
+/// A node with all that belongs to its name.
+struct Collected {
+  std::vector<Value> publishers;
+  std::vector<Value> subscriptions;
+  std::map<std::string, std::string> services, clients, actions, action_clients;
+  std::map<std::string, int> servers;  ///< by service
+  int unseen = 0;
+
+  void add(const Endpoint& endpoint) {
+    if (is_topic(endpoint))
+      return (endpoint.publishes ? publishers : subscriptions).push_back(topic_value(endpoint));
+    const auto role = role_of(endpoint);
+    if (!role) return;
+    if (role->serves) ++servers[role->name];
+    auto& list =
+        role->is_action ? (role->serves ? actions : action_clients) : (role->serves ? services : clients);
+    list[role->name] = role->type;
+  }
+};
+
+Value sorted(std::vector<Value> topics) {
+  std::ranges::sort(topics, {}, [](const Value& one) { return one.find("topic")->as_string(); });
+  return Value(std::move(topics));
+}
+
+Value to_value(const std::map<std::string, std::string>& services) {
+  Value::List list;
+  for (const auto& [name, type] : services)
+    list.push_back(Value::map({{"name", name}, {"type", type}}));
+  return Value(std::move(list));
+}
+
+Value to_value(const std::string& name, Collected node) {
+  const auto serves = [&](const char* service, std::string_view type) {
+    const auto found = node.services.find(name + service);
+    return found != node.services.end() && found->second == type;
+  };
+  int copies = 1;
+  for (const auto& [service, count] : node.servers)
+    copies = std::max(copies, service.starts_with(name + "/") ? count : 1);
+  return Value::map({{"name", name},
+                     {"managed", serves("/change_state", "lifecycle_msgs/srv/ChangeState") &&
+                                     serves("/get_state", "lifecycle_msgs/srv/GetState")},
+                     {"publishers", sorted(std::move(node.publishers))},
+                     {"subscriptions", sorted(std::move(node.subscriptions))},
+                     {"services", to_value(node.services)},
+                     {"clients", to_value(node.clients)},
+                     {"actions", to_value(node.actions)},
+                     {"action_clients", to_value(node.action_clients)},
+                     {"copies", copies},
+                     {"unseen_endpoints", node.unseen}});
+}
+
+Value names(const std::multiset<std::string>& nodes) {
+  return Value(Value::List(nodes.begin(), nodes.end()));
+}
+
+std::map<Gid, std::string> owners(const GraphSnapshot& graph) {
+  std::map<Gid, std::string> nodes;
+  for (const SeenParticipant& participant : graph.participants) {
+    for (const NodeEntities& node : participant.entities.nodes) {
+      for (const auto* gids : {&node.publishers, &node.subscriptions}) {
+        for (const Gid& gid : *gids)
+          nodes[gid] = full_name(node);
+      }
+    }
+  }
+  return nodes;
+}
+
+}  // namespace
+
+Value::List describe_nodes(const GraphSnapshot& graph) {
+  std::map<Gid, const Endpoint*> endpoints;
+  for (const Endpoint& endpoint : graph.endpoints)
+    endpoints[endpoint.gid] = &endpoint;
+  std::map<std::string, Collected> nodes;
+  for (const SeenParticipant& participant : graph.participants) {
+    for (const NodeEntities& node : participant.entities.nodes) {
+      Collected& collected = nodes[full_name(node)];
+      for (const auto* gids : {&node.publishers, &node.subscriptions}) {
+        for (const Gid& gid : *gids) {
+          const auto found = endpoints.find(gid);
+          if (found == endpoints.end()) {
+            ++collected.unseen;
+          } else {
+            collected.add(*found->second);
+          }
+        }
+      }
+    }
+  }
+  Value::List all;
+  for (auto& [name, node] : nodes)
+    all.push_back(to_value(name, std::move(node)));
+  return all;
+}
+
+Value::List describe_topics(const GraphSnapshot& graph) {
+  struct Topic {
+    std::set<std::string> types;
+    std::multiset<std::string> publishers, subscriptions;
+  };
+  const auto nodes = owners(graph);
+  std::map<std::string, Topic> topics;
+  for (const Endpoint& endpoint : graph.endpoints) {
+    if (!is_topic(endpoint)) continue;
+    Topic& topic = topics[topic_of_dds_name(endpoint.topic)];
+    topic.types.insert(interface_of_dds_type(endpoint.type));
+    const auto owner = nodes.find(endpoint.gid);
+    (endpoint.publishes ? topic.publishers : topic.subscriptions)
+        .insert(owner == nodes.end() ? std::string() : owner->second);
+  }
+  Value::List all;
+  for (const auto& [name, topic] : topics) {
+    all.push_back(Value::map({{"topic", name},
+                              {"types", Value(Value::List(topic.types.begin(), topic.types.end()))},
+                              {"publishers", names(topic.publishers)},
+                              {"subscriptions", names(topic.subscriptions)}}));
+  }
+  return all;
+}
+
+}  // namespace segue::ros2
