@@ -87,6 +87,9 @@ void add_host_list(Verb& host, Context& context);          ///< verbs of `host`
 void add_host_certificates(Verb& host, Context& context);  ///< verbs of `host`
 void add_component(Verb& app, Context& context);
 void add_ros2(Verb& app, Context& context);
+void add_ros2_graph(Verb& ros2, Context& context);  ///< verbs of `ros2`
+void add_import(Verb& app, Context& context);
+void add_import(Verb& app, Context& context);
 void add_types(Verb& app, Context& context);
 void add_mission(Verb& app, Context& context);
 void add_studio(Verb& app, Context& context);

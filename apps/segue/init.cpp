@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <segue/base/file.hpp>
-#include <segue/base/text.hpp>
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cctype>
 #include <memory>
-#include <system_error>
 
 #include "init_files.hpp"
 #include "output.hpp"
@@ -22,48 +17,14 @@ struct InitOptions {
   bool library = false;
 };
 
-/// The folder's name as an identifier, for the robot.
-std::string name_from(const std::filesystem::path& folder) {
-  std::string name;
-  const auto full = std::filesystem::absolute(folder).lexically_normal();
-  for (const char c : (full.has_filename() ? full : full.parent_path()).filename().string()) {
-    name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  }
-  return is_identifier(name) ? name : "my_robot";
-}
-
-Result<void> check_empty(const std::filesystem::path& folder) {
-  std::error_code failed_to;
-  if (!std::filesystem::exists(folder, failed_to)) return {};
-  if (std::filesystem::is_directory(folder, failed_to) && std::filesystem::is_empty(folder, failed_to))
-    return {};
-  return fail(
-      ErrorCode::AlreadyExists,
-      quote(folder.native()) + " exists and is not an empty folder; name one that does not exist yet");
-}
-
-Result<void> write_all(const std::filesystem::path& folder, const std::vector<InitFile>& files) {
-  for (const InitFile& file : files) {
-    const auto path = folder / file.path;
-    std::error_code failed_to;
-    std::filesystem::create_directories(path.parent_path(), failed_to);
-    if (failed_to) {
-      return fail(ErrorCode::IoError, "cannot create the folder " + quote(path.parent_path().native()) +
-                                          ": " + failed_to.message());
-    }
-    if (auto written = write_file(path, file.text); !written) return written;
-  }
-  return {};
-}
-
-void report_files(const InitOptions& options, const std::vector<InitFile>& files, const Context& context) {
+void report_files(const InitOptions& options, const std::vector<NewFile>& files, const Context& context) {
   if (context.json()) {
     type::Value::List names;
-    for (const InitFile& file : files)
+    for (const NewFile& file : files)
       names.emplace_back(file.path);
     return print_json(type::Value::map({{"folder", options.folder}, {"files", std::move(names)}}));
   }
-  for (const InitFile& file : files)
+  for (const NewFile& file : files)
     print_line("  " + options.folder + '/' + file.path);
   print_line(
       fmt::format("the robot is ready; try\n  cd {}\n  segue check robot.yaml\n"
@@ -72,18 +33,11 @@ void report_files(const InitOptions& options, const std::vector<InitFile>& files
 }
 
 int init_robot(const InitOptions& options, const Context& context) {
-  const std::string name = options.name.empty() ? name_from(options.folder) : options.name;
-  if (!is_identifier(name)) {
-    return failed(
-        context,
-        fail(ErrorCode::InvalidArgument,
-             quote(name) +
-                 " is not a valid robot name; it must begin with a letter, followed by letters, digits, "
-                 "'_', '-' or '.'"));
-  }
-  if (const auto empty = check_empty(options.folder); !empty) return failed(context, empty.error());
+  const std::string name = options.name.empty() ? robot_name_of(options.folder) : options.name;
+  if (const auto valid = check_robot_name(name); !valid) return failed(context, valid.error());
+  if (const auto empty = check_new_folder(options.folder); !empty) return failed(context, empty.error());
   const auto files = init_files(name, options.library);
-  if (const auto written = write_all(options.folder, files); !written)
+  if (const auto written = write_new_folder(options.folder, files); !written)
     return failed(context, written.error());
   report_files(options, files, context);
   return kDone;

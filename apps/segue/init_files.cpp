@@ -151,15 +151,15 @@ std::string namespace_of(std::string robot) {
 
 }  // namespace
 
-std::vector<InitFile> init_files(const std::string& robot, bool library) {
+std::vector<NewFile> init_files(const std::string& robot, bool library) {
   const std::string name = namespace_of(robot);
-  std::vector<InitFile> files = {{"robot.yaml", replaced(kRobotFile, "@ROBOT@", robot)},
-                                 {"controllers/explore.yaml", std::string(kExplore)},
-                                 {"controllers/go_to.yaml", std::string(kGoal)},
-                                 {"controllers/manual.yaml", std::string(kManual)},
-                                 {"controllers/hold.yaml", std::string(kControllerFile)},
-                                 {"missions/visit.yaml", std::string(kMissionFile)},
-                                 {"README.md", replaced(kReadme, "@ROBOT@", robot)}};
+  std::vector<NewFile> files = {{"robot.yaml", replaced(kRobotFile, "@ROBOT@", robot)},
+                                {"controllers/explore.yaml", std::string(kExplore)},
+                                {"controllers/go_to.yaml", std::string(kGoal)},
+                                {"controllers/manual.yaml", std::string(kManual)},
+                                {"controllers/hold.yaml", std::string(kControllerFile)},
+                                {"missions/visit.yaml", std::string(kMissionFile)},
+                                {"README.md", replaced(kReadme, "@ROBOT@", robot)}};
   if (!library) return files;
   files.back().text += replaced(kLibraryReadme, "@ROBOT@", name);
   files.push_back({"components/CMakeLists.txt", replaced(kCMake, "@ROBOT@", name)});

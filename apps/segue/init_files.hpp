@@ -5,12 +5,9 @@
 #include <string_view>
 #include <vector>
 
-namespace segue::cli {
+#include "new_folder.hpp"
 
-struct InitFile {
-  std::string path;  ///< relative to the new folder
-  std::string text;
-};
+namespace segue::cli {
 
 /// The robot file (with @ROBOT@ for its name), the controller and the mission that explain all keys of their
 /// kind. A line that begins with '#' and no space is a key that may be set, with lines below it that are
@@ -21,6 +18,6 @@ extern const std::string_view kMissionFile;
 
 /// The files of `segue init`: a robot with four controllers that use demo components, a mission, a README,
 /// and with `library` a component library that builds against the installed package.
-std::vector<InitFile> init_files(const std::string& robot, bool library);
+std::vector<NewFile> init_files(const std::string& robot, bool library);
 
 }  // namespace segue::cli

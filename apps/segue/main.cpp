@@ -20,12 +20,12 @@ using segue::cli::Verb;
 void add_verbs(Verb& app, Context& context) {
   using namespace segue::cli;
   for (const auto add :
-       {add_init,   add_check,   add_diff,         add_predict, add_run,       add_plan,   add_apply,
-        add_switch, add_repair,  add_restart,      add_cancel,  add_stop,      add_status, add_top,
-        add_task,   add_chain,   add_graph,        add_hz,      add_bw,        add_delay,  add_read,
-        add_plot,   add_set,     add_write,        add_ros2,    add_call,      add_events, add_history,
-        add_log,    add_prepare, add_reset_belief, add_units,   add_doctor,    add_host,   add_component,
-        add_types,  add_mission, add_studio,       add_bench,   add_completion}) {
+       {add_init,      add_check,  add_diff,    add_predict,      add_run,    add_plan,      add_apply,
+        add_switch,    add_repair, add_restart, add_cancel,       add_stop,   add_status,    add_top,
+        add_task,      add_chain,  add_graph,   add_hz,           add_bw,     add_delay,     add_read,
+        add_plot,      add_set,    add_write,   add_ros2,         add_import, add_call,      add_events,
+        add_history,   add_log,    add_prepare, add_reset_belief, add_units,  add_doctor,    add_host,
+        add_component, add_types,  add_mission, add_studio,       add_bench,  add_completion}) {
     add(app, context);
   }
 }

@@ -145,9 +145,10 @@ void add_folders(Verb& verb, Ros2Options& options) {
 void add_ros2(Verb& app, Context& context) {
   const auto options = std::make_shared<Ros2Options>();
   Verb& verb = add_verb(
-      app, context, "ros2", "messages, services and actions of ROS 2",
-      "  segue ros2 interfaces sensor_msgs\n  segue ros2 interface sensor_msgs/msg/LaserScan", nullptr);
+      app, context, "ros2", "nodes of ROS 2 that run, and interfaces of ROS 2",
+      "  segue ros2 describe /planner_server\n  segue ros2 interface sensor_msgs/msg/LaserScan", nullptr);
   verb.require_verb();
+  add_ros2_graph(verb, context);
   Verb& lister = add_verb(verb, context, "interfaces", "list all known interfaces",
                           "  segue ros2 interfaces\n  segue ros2 interfaces sensor_msgs",
                           [options, &context] { return list_interfaces(*options, context); });

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ros2_robot.hpp"
+
+#include <segue/type/yaml.hpp>
+
+#include <gmock/gmock.h>
+
+namespace segue::cli {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using type::Value;
+
+Value node(const std::string& name, bool managed = false) {
+  return Value::map({{"name", name},
+                     {"managed", managed},
+                     {"parameters", Value(Value::List())},
+                     {"problems", Value(Value::List())}});
+}
+
+Value parameter_named(const std::string& name, const std::string& kind, Value value, bool read_only = false) {
+  return Value::map({{"name", name}, {"kind", kind}, {"value", std::move(value)}, {"read_only", read_only}});
+}
+
+Value process_with(const std::string& program, int nodes = 1) {
+  return Value::map({{"pid", 7},
+                     {"nodes", nodes},
+                     {"command", Value::list({program})},
+                     {"installation", "/opt/ros/jazzy"},
+                     {"package", "demo"},
+                     {"executable", "talker"},
+                     {"remappings", Value::list({"/scan:=/front/scan"})},
+                     {"arguments", Value(Value::List())}});
+}
+
+Ros2Robot robot_of(Value::List nodes, bool starts = true) {
+  const Value topics = Value::list({Value::map({{"topic", "/scan"},
+                                                {"types", Value::list({"sensor_msgs/msg/LaserScan"})},
+                                                {"publishers", Value::list({"/lidar"})},
+                                                {"subscriptions", Value::list({"/slam", ""})}}),
+                                    Value::map({{"topic", "/rosout"},
+                                                {"types", Value::list({"rcl_interfaces/msg/Log"})},
+                                                {"publishers", Value::list({"/lidar"})},
+                                                {"subscriptions", Value(Value::List())}})});
+  return ros2_robot(Value::map({{"nodes", Value(std::move(nodes))}, {"topics", topics}}), "rover", starts);
+}
+
+/// The controller's file as a value.
+Value network_of(const Ros2Robot& robot) {
+  const auto read = type::parse_yaml(robot.files.at(1).text);
+  EXPECT_TRUE(read) << robot.files.at(1).text << to_string(read.error());
+  return read.value_or(Value());
+}
+
+TEST(Ros2Robot, HasATaskForEachNodeWithTheParametersThatCanBeSet) {
+  Value lidar = node("/front/lidar", true);
+  lidar.as_map().set(
+      "parameters",
+      Value::list({parameter_named("rate", "integer", 10), parameter_named("filter.gain", "double", 2.0),
+                   parameter_named("names", "string array", Value(Value::List())),
+                   parameter_named("serial", "string", "A-17", true),
+                   parameter_named("empty", "double array", Value(Value::List())),
+                   parameter_named("unset", "not set", Value()),
+                   parameter_named("use_sim_time", "boolean", false),
+                   parameter_named("qos_overrides./scan.depth", "integer", 5)}));
+  const Ros2Robot robot = robot_of({lidar, node("/talker")});
+  const Value network = network_of(robot);
+  const Value& task = *network.find("tasks")->find("front_lidar");
+  EXPECT_EQ(*task.find("component"), Value("ros2::ManagedNode"));
+  EXPECT_EQ(
+      *task.find("properties"),
+      Value::map({{"name", "/front/lidar"},
+                  {"parameters",
+                   Value::map({{"rate", 10}, {"filter.gain", 2.0}, {"names", Value(Value::List())}})}}));
+  EXPECT_EQ(task.find("properties")->find("parameters")->find("filter.gain")->kind(), Value::Kind::Float);
+  EXPECT_THAT(robot.files[1].text, HasSubstr("# parameters that cannot be set: serial and empty\n"));
+  EXPECT_EQ(*network.find("tasks")->find("talker")->find("component"), Value("ros2::Node"));
+  EXPECT_EQ(*network.find("deployments"),
+            Value::map({{"ros2", Value::map({{"tasks", Value::list({"front_lidar", "talker"})}})}}));
+  EXPECT_THAT(robot.nodes, ElementsAre("/front/lidar", "/talker"));
+}
+
+TEST(Ros2Robot, StartsProgramsThatHaveOneNode) {
+  Value alone = node("/talker");
+  alone.as_map().set("process", process_with("/opt/ros/jazzy/lib/demo/talker"));
+  alone.as_map().set("parameters", Value::list({parameter_named("serial", "string", "A-17", true)}));
+  Value inside = node("/inside");
+  inside.as_map().set("process", process_with("/opt/ros/jazzy/lib/rclcpp_components/component_container", 2));
+  const Ros2Robot robot = robot_of({alone, inside});
+  EXPECT_EQ(*network_of(robot).find("tasks")->find("talker")->find("properties"),
+            Value::map({{"name", "/talker"},
+                        {"parameters", Value::map({{"serial", "A-17"}})},
+                        {"process", Value::map({{"package", "demo"},
+                                                {"executable", "talker"},
+                                                {"remappings", Value::list({"/scan:=/front/scan"})}})}}));
+  EXPECT_THAT(robot.started, ElementsAre("/talker"));
+  EXPECT_THAT(robot.files[1].text, HasSubstr("# of installation /opt/ros/jazzy\n"));
+  EXPECT_THAT(robot.files[1].text, HasSubstr("# in process 7 with 1 other nodes\n"));
+  EXPECT_THAT(robot_of({alone, inside}, false).files[1].text, Not(HasSubstr("process:")));
+}
+
+TEST(Ros2Robot, LeavesOutHiddenNodesAndThoseOfSegue) {
+  Value own = node("/chatter");
+  own.as_map().set("process", process_with("/usr/bin/segue-deployment"));
+  EXPECT_THAT(robot_of({own, node("/robot/_ros2cli_daemon"), node("/talker")}).nodes, ElementsAre("/talker"));
+}
+
+TEST(Ros2Robot, HasIdsThatDiffer) {
+  const Value network = network_of(robot_of({node("/a/b"), node("/a_b")}));
+  EXPECT_EQ(*network.find("tasks")->find("a_b")->find("properties")->find("name"), Value("/a/b"));
+  EXPECT_EQ(*network.find("tasks")->find("a_b_2")->find("properties")->find("name"), Value("/a_b"));
+}
+
+TEST(Ros2Robot, IsNotLedAstrayByNames) {
+  Value strange = node("/a\n  b: {component: c}\x1b");
+  strange.as_map().set("problems", Value::list({"one\ntasks: {}"}));
+  const Value network = network_of(robot_of({strange}));
+  ASSERT_EQ(network.find("tasks")->as_map().size(), 1U);
+  EXPECT_EQ(*network.find("tasks")->as_map().begin()->second.find("properties")->find("name"),
+            *strange.find("name"));
+}
+
+TEST(Ros2Robot, ListsTheTopicsBetweenNodes) {
+  EXPECT_THAT(robot_of({node("/lidar")}).files[1].text,
+              HasSubstr("#   /scan (sensor_msgs/msg/LaserScan): /lidar -> /slam, (not of a node)\nnetwork:"));
+}
+
+}  // namespace
+}  // namespace segue::cli
