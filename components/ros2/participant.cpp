@@ -36,6 +36,9 @@ constexpr std::uint32_t kSocketBytes = 4U << 20U;
 /// Participants without it are not part of ROS 2.
 constexpr std::string_view kUserData = "enclave=/;";
 const TopicName kNodesTopic{"ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"};
+/// Nodes on Cyclone DDS warn of endpoints that do not tell the hash of their type.
+const std::string kNodesHash =
+    "typehash=RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e;";
 
 /// The messages of Fast DDS go to the log of this process.
 class LogLines final : public dds::LogConsumer {
@@ -176,11 +179,11 @@ segue::Result<void> Participant::start() {
   latched.durability = segue::ros2::Durability::TransientLocal;
   latched.depth = 0;
   discovery_ = std::make_unique<DiscoveryReader>(*this);
-  auto reader = make_reader(kNodesTopic, latched, {}, discovery_.get());
+  auto reader = make_reader(kNodesTopic, latched, kNodesHash, discovery_.get());
   if (!reader) return reader.error();
   nodes_reader_ = std::move(*reader);
   latched.depth = 1;
-  auto writer = make_writer(kNodesTopic, latched, {}, nullptr);
+  auto writer = make_writer(kNodesTopic, latched, kNodesHash, nullptr);
   if (!writer) return writer.error();
   const segue::Lock lock(nodes_mutex_);
   nodes_writer_ = std::move(*writer);

@@ -76,6 +76,33 @@ class Descriptor final : public fast::ChainingTransportDescriptor {
   std::function<void(const Acknowledgement&)> acknowledged;
 };
 
+/// The addresses of a message; each is known to UDP when it is sent to. Fast DDS 2.9 leaves out that of a
+/// reader which it reaches by multicast together with others (Cyclone DDS has such), but sends some messages
+/// to that reader alone. Where it counts its traffic, as it does in Debian, an address that is not known ends
+/// the process.
+class KnownLocators final : public fast::LocatorsIterator {
+ public:
+  KnownLocators(fast::TransportInterface& udp, fast::LocatorsIterator& locators)
+      : udp_(udp), locators_(locators) {}
+
+  fast::LocatorsIterator& operator++() override {
+    ++locators_;
+    return *this;
+  }
+  bool operator==(const fast::LocatorsIterator& other) const override { return locators_ == other; }
+  bool operator!=(const fast::LocatorsIterator& other) const override { return locators_ != other; }
+  const Locator_t& operator*() const override {
+    const Locator_t& locator = *locators_;
+    fast::SendResourceList none;  // its sockets are open, so that it gets none
+    udp_.OpenOutputChannel(none, locator);
+    return locator;
+  }
+
+ private:
+  fast::TransportInterface& udp_;
+  fast::LocatorsIterator& locators_;
+};
+
 /// Reads along between UDP and Fast DDS.
 class Transport final : public fast::ChainingTransport {
  public:
@@ -85,7 +112,8 @@ class Transport final : public fast::ChainingTransport {
   bool send(eprosima::fastrtps::rtps::SenderResource* resource, const octet* bytes, std::uint32_t size,
             fast::LocatorsIterator* begin, fast::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& timeout) override {
-    return resource->send(bytes, size, begin, end, timeout);
+    KnownLocators known(*low_level_transport_, *begin);
+    return resource->send(bytes, size, &known, end, timeout);
   }
   void receive(fast::TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <fastdds/rtps/network/SenderResource.h>
+#include <fastdds/rtps/transport/TransportInterface.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fastdds/rtps/common/LocatorList.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -111,6 +117,39 @@ TEST(Departures, HostileBytesDoNoHarm) {
     EXPECT_TRUE(changed.empty() || changed.size() == noise.size());
     EXPECT_LE(acknowledgements_in(noise).size(), noise.size());
   }
+}
+
+/// An address on this computer.
+eprosima::fastdds::rtps::LocatorList locator_of_port(std::uint32_t port) {
+  eprosima::fastrtps::rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  locator.port = port;
+  eprosima::fastrtps::rtps::IPLocator::setIPv4(locator, 127, 0, 0, 1);
+  eprosima::fastdds::rtps::LocatorList list;
+  list.push_back(locator);
+  return list;
+}
+
+TEST(WatchedTransport, SendsToAddressesThatItWasNotToldOf) {
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->interfaceWhiteList = {"127.0.0.1"};
+  const auto descriptor = watched_transport(udp, [](const Acknowledgement&) {});
+  const std::unique_ptr<eprosima::fastdds::rtps::TransportInterface> transport(
+      descriptor->create_transport());
+  ASSERT_TRUE(transport->init());
+  eprosima::fastdds::rtps::SendResourceList resources;
+  const auto told = locator_of_port(7400);
+  ASSERT_TRUE(transport->OpenOutputChannel(resources, *told.begin()));
+  ASSERT_EQ(resources.size(), 1U);
+  const auto other = locator_of_port(9);  // nobody listens there
+  eprosima::fastdds::rtps::Locators begin(other.begin());
+  eprosima::fastdds::rtps::Locators end(other.end());
+  const Bytes message = header();
+  EXPECT_TRUE(
+      resources.front()->send(reinterpret_cast<const eprosima::fastrtps::rtps::octet*>(message.data()),
+                              static_cast<std::uint32_t>(message.size()), &begin, &end,
+                              std::chrono::steady_clock::now() + std::chrono::seconds(1)));
+  EXPECT_TRUE(begin == end);
 }
 
 }  // namespace
