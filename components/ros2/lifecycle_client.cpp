@@ -23,13 +23,16 @@ constexpr std::chrono::milliseconds kPause{20};
 struct Transition {
   int number;
   const char* verb;
+  NodeState target;
 };
 
 /// From a state that is not the goal, one step nearer.
 Transition transition_between(NodeState from, NodeState goal) {
   if (goal > from)
-    return from == NodeState::Unconfigured ? Transition{1, "configure"} : Transition{3, "activate"};
-  return from == NodeState::Active ? Transition{4, "deactivate"} : Transition{2, "clean up"};
+    return from == NodeState::Unconfigured ? Transition{1, "configure", NodeState::Inactive}
+                                           : Transition{3, "activate", NodeState::Active};
+  return from == NodeState::Active ? Transition{4, "deactivate", NodeState::Inactive}
+                                   : Transition{2, "clean up", NodeState::Unconfigured};
 }
 
 bool is_in_transition(NodeState state) {
@@ -139,6 +142,15 @@ segue::Result<void> LifecycleClient::drive(NodeState goal, segue::TimePoint dead
                                                " in time; it is " + std::string(to_string(now)));
 }
 
+segue::Result<NodeState> LifecycleClient::settled_state(segue::TimePoint deadline) {
+  auto read = state(deadline);
+  while (read && is_in_transition(*read) && segue::monotonic_now() < deadline) {
+    pause(deadline);
+    read = state(deadline);
+  }
+  return read;
+}
+
 segue::Result<void> LifecycleClient::step(NodeState from, NodeState goal, segue::TimePoint deadline) {
   const Transition transition = transition_between(from, goal);
   // A response that does not come leaves time to read the state.
@@ -147,13 +159,13 @@ segue::Result<void> LifecycleClient::step(NodeState from, NodeState goal, segue:
                                       now + (deadline - now) / 2);
   // Without a response, the state tells what has happened.
   const bool says_done = response && response->find("success")->as_bool();
-  auto read = state(deadline);
+  auto read = settled_state(deadline);
   if (!read) return response ? read.error() : response.error();
-  if (*read != from || is_in_transition(*read)) return {};
-  if (!response) return response.error();
-  return there_twice_or(
-      fail(ErrorCode::InvalidState, "node " + node_ + (says_done ? " says that it did " : " refuses to ") +
-                                        transition.verb + "; it is " + std::string(to_string(*read))));
+  if (*read == transition.target || is_in_transition(*read)) return {};
+  if (!response && *read == from) return response.error();
+  const char* what = *read != from ? " failed to " : says_done ? " says that it did " : " refuses to ";
+  return there_twice_or(fail(ErrorCode::InvalidState, "node " + node_ + what + transition.verb + "; it is " +
+                                                          std::string(to_string(*read))));
 }
 
 }  // namespace ros2

@@ -42,9 +42,9 @@ class LifecycleClient {
   segue::Result<NodeState> state(segue::TimePoint deadline);
   /// Takes the node from whatever state it is in to Unconfigured, Inactive or Active, by as many transitions
   /// as that needs. The true state is read before each of them and at the end, so a response that is lost,
-  /// late or wrong does no harm. InvalidState: the node refuses a transition, says that it did one that it
-  /// did not, is finalized, or is there twice; DeadlineExceeded: it is not there yet; Unavailable: it is not
-  /// there at all.
+  /// late or wrong does no harm. InvalidState: the node refuses a transition or fails in it, says that it did
+  /// one that it did not, is finalized, or is there twice; DeadlineExceeded: it is not there yet;
+  /// Unavailable: it is not there at all.
   segue::Result<void> drive(NodeState goal, segue::TimePoint deadline);
   /// Calls in progress and later ones end at once. Any thread.
   void cancel();
@@ -63,6 +63,8 @@ class LifecycleClient {
  private:
   LifecycleClient() = default;
   [[nodiscard]] segue::Error there_twice() const;
+  /// Not that of a transition, but at the deadline.
+  segue::Result<NodeState> settled_state(segue::TimePoint deadline);
   /// One transition on the way; whether it was done is read from the state.
   segue::Result<void> step(NodeState from, NodeState goal, segue::TimePoint deadline);
 

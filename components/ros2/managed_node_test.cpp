@@ -69,6 +69,16 @@ TEST_P(ManagedNodes, ThatLieAreSaid) {
               HasSubstr("node /talker says that it did configure; it is unconfigured"));
 }
 
+TEST_P(ManagedNodes, ThatFailInATransitionAreNotAskedAgain) {
+  EXPECT_EQ(configure(node_properties()), "");
+  node.set_fault(Fault::FailsToActivate);
+  const auto started = task.task().start(soon());
+  ASSERT_FALSE(started);
+  EXPECT_THAT(segue::to_string(started.error()),
+              HasSubstr("node /talker failed to activate; it is unconfigured"));
+  EXPECT_EQ(node.transitions(), (Numbers{1, 3}));
+}
+
 TEST_P(ManagedNodes, WhoseResponseIsLostAreReadAgain) {
   EXPECT_EQ(configure(node_properties("30s")), "");
   node.set_fault(Fault::AnswersNothing);

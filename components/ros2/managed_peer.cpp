@@ -95,9 +95,11 @@ void ManagedPeer::answer_changes() {
       hidden_ = true;
       return;
     }
-    if (fault != Fault::Refuses && fault != Fault::SaysDoneOnly) change(transition);
+    const bool fails = fault == Fault::FailsToActivate && transition == 3;
+    if (fails) state_ = 1;
+    if (!fails && fault != Fault::Refuses && fault != Fault::SaysDoneOnly) change(transition);
     if (fault == Fault::AnswersNothing) continue;
-    const Value response = Value::map({{"success", fault != Fault::Refuses}});
+    const Value response = Value::map({{"success", fault != Fault::Refuses && !fails}});
     respond(*change_state_, request,
             fault == Fault::Malformed ? kNoMessage : change_response_.encode(response, "").value());
   }

@@ -20,11 +20,12 @@ class ManagedPeer {
  public:
   enum class Fault {
     None,
-    Refuses,         ///< every transition, and stays where it is
-    SaysDoneOnly,    ///< that it did it, and stays where it is
-    AnswersNothing,  ///< to change_state, but does it
-    Malformed,       ///< its responses to change_state are no messages
-    DiesInConfigure  ///< its services leave, and nothing answers
+    Refuses,          ///< every transition, and stays where it is
+    SaysDoneOnly,     ///< that it did it, and stays where it is
+    AnswersNothing,   ///< to change_state, but does it
+    FailsToActivate,  ///< and is unconfigured then, as one whose hook has an error
+    Malformed,        ///< its responses to change_state are no messages
+    DiesInConfigure   ///< its services leave, and nothing answers
   };
 
   /// `enters` is called in each transition, with its number, before the state changes.

@@ -3,6 +3,7 @@
 
 #include "participant.hpp"
 
+#include <segue/base/clock.hpp>
 #include <segue/base/result.hpp>
 #include <segue/ros2/message_codec.hpp>
 #include <segue/ros2/service_message.hpp>

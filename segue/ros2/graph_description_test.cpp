@@ -39,7 +39,8 @@ TEST(GraphDescription, HasTheTopicsOfEachNodeWithTheirQuality) {
   scan.quality.deadline = std::chrono::milliseconds(100);
   scan.type_hash = "RIHS01_a";
   graph.set(scan);
-  graph.set({gid_number(9), {{"/", "lidar", {}, {gid_number(1), gid_number(2)}}, {"/robot", "idle"}}});
+  graph.set(ParticipantEntities{gid_number(9),
+                                {{"/", "lidar", {}, {gid_number(1), gid_number(2)}}, {"/robot", "idle"}}});
   const Value lidar = node_named(graph, "/lidar");
   EXPECT_EQ(*lidar.find("publishers"),
             Value::list({Value::map({{"topic", "/scan"},
@@ -66,7 +67,7 @@ TEST(GraphDescription, HasServicesAndActionsByWhoServesAndWhoUsesThem) {
   NodeEntities server{"/", "nav", {}, {gid_number(20)}};
   for (std::uint8_t i = 1; i < 9; i += 2)
     server.subscriptions.push_back(gid_number(i));
-  graph.set({gid_number(99), {server, {"/", "user", {}, {gid_number(21)}}}});
+  graph.set(ParticipantEntities{gid_number(99), {server, {"/", "user", {}, {gid_number(21)}}}});
   const Value nav = node_named(graph, "/nav");
   EXPECT_EQ(*nav.find("managed"), Value(true));
   EXPECT_EQ(nav.find("services")->as_list().size(), 2U) << "those of actions are parts of these";
@@ -82,8 +83,8 @@ TEST(GraphDescription, SaysThatTwoNodesHaveOneName) {
   NodeGraph graph;
   add_server(graph, 1, "/nav/get_parameters", "rcl_interfaces::srv::dds_::GetParameters");
   add_server(graph, 3, "/nav/get_parameters", "rcl_interfaces::srv::dds_::GetParameters");
-  graph.set({gid_number(98), {{"/", "nav", {gid_number(1)}, {gid_number(2)}}}});
-  graph.set({gid_number(99), {{"/", "nav", {gid_number(3)}, {gid_number(4)}}}});
+  graph.set(ParticipantEntities{gid_number(98), {{"/", "nav", {gid_number(1)}, {gid_number(2)}}}});
+  graph.set(ParticipantEntities{gid_number(99), {{"/", "nav", {gid_number(3)}, {gid_number(4)}}}});
   EXPECT_EQ(*node_named(graph, "/nav").find("copies"), Value(2));
 }
 
@@ -91,7 +92,7 @@ TEST(GraphDescription, HasTopicsWithTheNodesOnBothSides) {
   NodeGraph graph;
   graph.set(endpoint(1, true, "rt/chatter", "std_msgs::msg::dds_::String_"));
   graph.set(endpoint(2, false, "rt/chatter", "std_msgs::msg::dds_::Int32_"));
-  graph.set({gid_number(9), {{"/", "talker", {}, {gid_number(1)}}}});
+  graph.set(ParticipantEntities{gid_number(9), {{"/", "talker", {}, {gid_number(1)}}}});
   EXPECT_EQ(Value(describe_topics(graph.snapshot())),
             Value::list({Value::map({{"topic", "/chatter"},
                                      {"types", Value::list({"std_msgs/msg/Int32", "std_msgs/msg/String"})},
