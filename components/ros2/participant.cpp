@@ -33,6 +33,8 @@ namespace rtps = eprosima::fastrtps::rtps;
 constexpr std::uint32_t kLargestDomain = 232;  // the ports of larger ones do not exist
 /// Buffers of sockets, so that large samples find room (the system limits them).
 constexpr std::uint32_t kSocketBytes = 4U << 20U;
+/// How many participants of a computer are looked for without multicast, as in ROS 2.
+constexpr std::uint32_t kLocalParticipants = 32;
 /// Participants without it are not part of ROS 2.
 constexpr std::string_view kUserData = "enclave=/;";
 const TopicName kNodesTopic{"ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_"};
@@ -69,6 +71,30 @@ rtps::GuidPrefix_t new_identifier() {
   return prefix;
 }
 
+/// Finds those on this computer in all ways in which ROS 2 looks for them: by multicast, which does not leave
+/// it (before Iron, on the loopback device), and at the ports of its first participants (from Iron on). They
+/// may know the computer by any of its addresses. (A list of permitted interfaces, as before Iron, drops all
+/// addresses but that of loopback.)
+void keep_on_this_computer(std::uint32_t domain, dds::DomainParticipantQos& quality,
+                           eprosima::fastdds::rtps::UDPv4TransportDescriptor& udp) {
+  udp.TTL = 0;
+  udp.maxInitialPeersRange = kLocalParticipants;
+  rtps::Locator_t all;
+  rtps::Locator_t here;
+  rtps::IPLocator::setIPv4(here, 127, 0, 0, 1);
+  rtps::Locator_t group;
+  rtps::IPLocator::setIPv4(group, 239, 255, 0, 1);
+  group.port = rtps::PortParameters().getMulticastPort(domain);
+  auto& builtin = quality.wire_protocol().builtin;
+  for (const rtps::Locator_t& locator : {all, here}) {
+    builtin.metatrafficUnicastLocatorList.push_back(locator);
+    quality.wire_protocol().default_unicast_locator_list.push_back(locator);
+  }
+  builtin.metatrafficMulticastLocatorList.push_back(group);
+  builtin.initialPeersList.push_back(group);
+  builtin.initialPeersList.push_back(here);
+}
+
 /// UDP only: segments of shared memory would stay behind where a process is killed, and are closed to other
 /// users.
 dds::DomainParticipantQos quality_of(const Settings& settings,
@@ -77,13 +103,14 @@ dds::DomainParticipantQos quality_of(const Settings& settings,
   quality.user_data().setValue({kUserData.begin(), kUserData.end()});
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->sendBufferSize = udp->receiveBufferSize = kSocketBytes;
-  if (settings.localhost_only) udp->interfaceWhiteList = {"127.0.0.1"};
+  if (settings.localhost_only) keep_on_this_computer(settings.domain, quality, *udp);
   quality.wire_protocol().prefix = new_identifier();
   auto& discovery = quality.wire_protocol().builtin.discovery_config;
   discovery.initial_announcements = {20, {0, 50'000'000}};
   discovery.leaseDuration_announcementperiod = {1, 0};
   quality.transport().use_builtin_transports = false;
-  quality.transport().user_transports = {watched_transport(udp, std::move(acknowledged))};
+  quality.transport().user_transports = {
+      watched_transport(udp, std::move(acknowledged), settings.localhost_only)};
   return quality;
 }
 

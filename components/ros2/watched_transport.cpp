@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "watched_transport.hpp"
+#include "own_addresses.hpp"
+
+#include <fastrtps/utils/IPLocator.h>
 
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
@@ -69,11 +72,12 @@ bool is_departure(std::span<const std::byte> message, const Submessage& one) {
 class Descriptor final : public fast::ChainingTransportDescriptor {
  public:
   Descriptor(std::shared_ptr<fast::TransportDescriptorInterface> udp,
-             std::function<void(const Acknowledgement&)> told)
-      : ChainingTransportDescriptor(std::move(udp)), acknowledged(std::move(told)) {}
+             std::function<void(const Acknowledgement&)> told, bool here)
+      : ChainingTransportDescriptor(std::move(udp)), acknowledged(std::move(told)), only_here(here) {}
   fast::TransportInterface* create_transport() const override;
 
   std::function<void(const Acknowledgement&)> acknowledged;
+  bool only_here;
 };
 
 /// The addresses of a message; each is known to UDP when it is sent to. Fast DDS 2.9 leaves out that of a
@@ -117,6 +121,7 @@ class Transport final : public fast::ChainingTransport {
   }
   void receive(fast::TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
+    if (descriptor_.only_here && !own_addresses_.contains(address_of(remote))) return;
     const auto message = std::as_bytes(std::span(bytes, size));
     for (const Acknowledgement& one : acknowledgements_in(message))
       descriptor_.acknowledged(one);
@@ -126,7 +131,14 @@ class Transport final : public fast::ChainingTransport {
   }
 
  private:
+  static Ipv4Address address_of(const Locator_t& locator) {
+    Ipv4Address address{};
+    std::copy_n(eprosima::fastrtps::rtps::IPLocator::getIPv4(locator), address.size(), address.begin());
+    return address;
+  }
+
   Descriptor descriptor_;
+  OwnAddresses own_addresses_;
 };
 
 fast::TransportInterface* Descriptor::create_transport() const {
@@ -137,8 +149,8 @@ fast::TransportInterface* Descriptor::create_transport() const {
 
 std::shared_ptr<fast::TransportDescriptorInterface> watched_transport(
     std::shared_ptr<fast::TransportDescriptorInterface> udp,
-    std::function<void(const Acknowledgement&)> acknowledged) {
-  return std::make_shared<Descriptor>(std::move(udp), std::move(acknowledged));
+    std::function<void(const Acknowledgement&)> acknowledged, bool only_here) {
+  return std::make_shared<Descriptor>(std::move(udp), std::move(acknowledged), only_here);
 }
 
 std::vector<Acknowledgement> acknowledgements_in(std::span<const std::byte> message) {

@@ -21,14 +21,15 @@ struct Acknowledgement {
   friend auto operator<=>(const Acknowledgement&, const Acknowledgement&) = default;
 };
 
-/// UDP with three additions to Fast DDS 2.9. It also understands how Cyclone DDS says that an endpoint or a
+/// UDP with some additions to Fast DDS 2.9. It also understands how Cyclone DDS says that an endpoint or a
 /// participant has left: Cyclone sends its key as the specification has it (DDSI-RTPS 2.3, 9.6.3.8: a
 /// serialized key, a list of parameters), of which Fast DDS reads 16 bytes at most; such an endpoint would be
 /// there until its process has ended. Messages can go to addresses that Fast DDS has not told it of before.
-/// And `acknowledged` is told, in threads of Fast DDS, of each message by which readers acknowledge.
+/// `acknowledged` is told, in threads of Fast DDS, of each message by which readers acknowledge. And with
+/// `only_here`, messages of other computers are dropped.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> watched_transport(
     std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp,
-    std::function<void(const Acknowledgement&)> acknowledged);
+    std::function<void(const Acknowledgement&)> acknowledged, bool only_here);
 
 /// The acknowledgements of readers of users in an RTPS message, whose bytes are untrusted.
 std::vector<Acknowledgement> acknowledgements_in(std::span<const std::byte> message);

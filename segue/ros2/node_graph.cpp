@@ -102,16 +102,6 @@ bool NodeGraph::has_node(std::string_view name, const Gid& own) const {
   });
 }
 
-std::vector<std::string> NodeGraph::nodes() const {
-  std::vector<std::string> names;
-  const Lock lock(mutex_);
-  for (const auto& [gid, participant] : participants_) {
-    for (const NodeEntities& node : participant.entities.nodes)
-      names.push_back(full_name(node));
-  }
-  return names;
-}
-
 GraphSnapshot NodeGraph::snapshot() const {
   GraphSnapshot all;
   const Lock lock(mutex_);

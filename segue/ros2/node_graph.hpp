@@ -67,8 +67,6 @@ class NodeGraph {
   [[nodiscard]] std::string node_of(const Gid& endpoint) const;
   /// Whether another participant than `own` has a node of that name ("/talker").
   [[nodiscard]] bool has_node(std::string_view name, const Gid& own) const;
-  /// All nodes: "/talker".
-  [[nodiscard]] std::vector<std::string> nodes() const;
   [[nodiscard]] GraphSnapshot snapshot() const;
 
   /// Those between an own endpoint and those of others on its topic.
