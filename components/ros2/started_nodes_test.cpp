@@ -131,9 +131,7 @@ TEST_F(StartedNodes, WhoseProcessEndsBringAnException) {
 
 TEST_F(StartedNodes, ThatIgnoreSignalsAreKilledWithAllThatTheyHaveStarted) {
   RunningTask task("ros2::Node");
-  auto values = node("stubborn");
-  values["timeout"] = "5s";
-  task.run(values);
+  task.run(node("stubborn"));
   ASSERT_EQ(task.task().state(), TaskState::Running);
   const pid_t child = static_cast<pid_t>(std::atoi(noted("planner.child").c_str()));
   ASSERT_EQ(::kill(child, 0), 0);

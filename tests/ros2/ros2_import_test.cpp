@@ -35,12 +35,15 @@ class RunningRos2 : public SystemTest {
 };
 
 TEST_F(RunningRos2, IsListed) {
-  ASSERT_TRUE(eventually([&] {
-    return segue({"ros2", "topics", "--wait", "1s"}).output.find("/scan") != std::string::npos &&
-           segue({"ros2", "nodes", "--wait", "1s"}).output.find("yes") != std::string::npos;
+  // Another process has to find the nodes anew, which takes what it takes on a loaded machine.
+  std::string topics;
+  EXPECT_TRUE(eventually([&] {
+    topics = segue({"ros2", "topics", "--wait", "2s"}).output;
+    return ::testing::Value(topics, ::testing::ContainsRegex("/scan +lidar_msgs/msg/Sweep +/lidar"));
+  })) << topics;
+  EXPECT_TRUE(eventually([&] {
+    return segue({"ros2", "nodes", "--wait", "2s"}).output.find("yes") != std::string::npos;
   }));
-  const auto topics = segue({"ros2", "topics", "--wait", "3s"}).output;
-  EXPECT_THAT(topics, ::testing::ContainsRegex("/scan +lidar_msgs/msg/Sweep +/lidar"));
   const auto other = segue({"ros2", "nodes", "--wait", "1s", "--domain", "232"});
   EXPECT_EQ(other.status, 0) << other.errors;
   EXPECT_THAT(other.output, Not(HasSubstr("/lidar"))) << "it is in another domain";
