@@ -35,7 +35,8 @@ class Looks : public ::testing::TestWithParam<Middleware> {
       for (const Value& node : seen ? seen->find("nodes")->as_list() : Value::List()) {
         if (node.find("name")->as_string() == "/lidar") found = node;
       }
-      return !seen || found.find("services")->as_list().size() == 7;
+      return !seen || (found.is_map() && found.find("services")->as_list().size() == 7 &&
+                       !found.find("publishers")->as_list().empty());
     }));
     return found;
   }
