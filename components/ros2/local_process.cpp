@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "local_process.hpp"
 
+#include "own_addresses.hpp"
+
 #include <segue/base/file.hpp>
 #include <segue/base/text.hpp>
-
-#include <arpa/inet.h>
-#include <ifaddrs.h>
-#include <netinet/in.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <system_error>
@@ -20,21 +17,6 @@ namespace ros2 {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_own(const std::array<std::uint8_t, 4>& host) {
-  if (host[0] == 127) return true;
-  ifaddrs* all = nullptr;
-  if (::getifaddrs(&all) != 0) return false;
-  bool found = false;
-  for (const ifaddrs* one = all; one != nullptr && !found; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    sockaddr_in address{};
-    std::memcpy(&address, one->ifa_addr, sizeof address);
-    found = std::memcmp(&address.sin_addr, host.data(), host.size()) == 0;
-  }
-  ::freeifaddrs(all);
-  return found;
-}
 
 /// "socket:[INODE]" of the sockets that receive at the port (proc_net(5)).
 std::vector<std::string> sockets_at(std::uint16_t port) {
@@ -72,7 +54,7 @@ bool has_one_of(const fs::path& process, const std::vector<std::string>& sockets
 }  // namespace
 
 std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
-  if (!is_own(address.host)) return {};
+  if (!is_own_address(address.host)) return {};
   const auto sockets = sockets_at(address.port);
   if (sockets.empty()) return {};
   std::error_code problem;

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for programs of ROS 2 packages in tests; which one, its file's name tells:
-//   managed                      a managed node; parameters: dies_in_configure, or meets: N (it is configured
-//   when N of them are in configure) talker                       a node without a life cycle fails ends with
-//   exit status 3 before it is a node stubborn                     ignores SIGINT and SIGTERM, and has a
-//   child in a session of its own component_container_isolated loads managed nodes
+// Stands in for programs of ROS 2 packages in tests; which one, its file's name tells.
+//
+// managed: a managed node. Parameters: dies_in_configure, or meets: N, by which it is configured when N are
+// in configure.
+//
+// talker: a node without a life cycle.
+//
+// fails: ends with exit status 3 before it is a node.
+//
+// stubborn: ignores SIGINT and SIGTERM, and has a child in a session of its own.
+//
+// component_container_isolated: loads managed nodes.
+//
 // Each node notes its arguments and parameters in $NODE_NOTES/NAME, and its pid in NAME.pid.
 #include "managed_peer.hpp"
 #include "sanitizer_options.hpp"

@@ -17,8 +17,10 @@ constexpr std::chrono::seconds kKept{10};
 constexpr std::size_t kMostKnown = 1000;
 constexpr std::uint8_t kLoopback = 127;
 
-/// Whether an interface of this computer has the address.
-bool has_interface(const Ipv4Address& address) {
+}  // namespace
+
+bool is_own_address(const Ipv4Address& address) {
+  if (address.front() == kLoopback) return true;
   ifaddrs* first = nullptr;
   if (::getifaddrs(&first) != 0) return false;
   const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> owner(first, &::freeifaddrs);
@@ -31,15 +33,13 @@ bool has_interface(const Ipv4Address& address) {
   return false;
 }
 
-}  // namespace
-
 bool OwnAddresses::contains(const Ipv4Address& address) {
   if (address.front() == kLoopback) return true;
   const segue::TimePoint now = segue::monotonic_now();
   const segue::Lock lock(mutex_);
   if (known_.size() > kMostKnown) known_.clear();
   Answer& answer = known_[address];
-  if (now >= answer.asked_again) answer = {has_interface(address), now + kKept};
+  if (now >= answer.asked_again) answer = {is_own_address(address), now + kKept};
   return answer.is_own;
 }
 

@@ -12,6 +12,10 @@ namespace ros2 {
 
 using Ipv4Address = std::array<std::uint8_t, 4>;
 
+/// Whether an interface of this computer has the address, or it is one of loopback. Asks the system; any
+/// thread.
+bool is_own_address(const Ipv4Address& address);
+
 /// Whether addresses are those of this computer, also of its interfaces to networks, which may change. Any
 /// thread; asks the system at most once every ten seconds for each address.
 class OwnAddresses {
