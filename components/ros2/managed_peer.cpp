@@ -53,6 +53,8 @@ void ManagedPeer::serve() {
   change_state_->serve(node_ + "/change_state", "lifecycle_msgs/srv/ChangeState");
   get_state_->serve(node_ + "/get_state", "lifecycle_msgs/srv/GetState");
   set_parameters_->serve(node_ + "/set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically");
+  for (Peer* peer : {change_state_.get(), get_state_.get(), set_parameters_.get()})
+    peer->announce(node_.substr(1));
 }
 
 segue::ros2::MessageCodec ManagedPeer::codec(const std::string& message) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node_peer.hpp"
 
-#include <segue/ros2/message_codec.hpp>
 #include <segue/ros2/parameter_value.hpp>
 #include <segue/ros2/type_hash.hpp>
 
-#include <chrono>
 #include <utility>
 
 namespace ros2::testing {
@@ -14,29 +12,13 @@ using segue::type::Value;
 
 namespace {
 
-/// rcl_interfaces/msg/Parameter of each.
 Value::List all_parameters() {
-  return segue::ros2::parameters_request(Value::map({{"frame", "lidar_link"},
-                                                     {"rate", 10},
-                                                     {"filter.gain", 2.0},
-                                                     {"serial", "A-17"},
-                                                     {"offsets", Value::list({0.5, 1.0})},
-                                                     {"use_sim_time", false}}),
-                                         "")
-      .value()
-      .find("parameters")
-      ->as_list();
-}
-
-std::optional<Value> with_names(const Value& request, const char* field,
-                                const std::function<Value(const Value& parameter)>& of) {
-  Value::List all;
-  for (const Value& name : request.find("names")->as_list()) {
-    for (const Value& parameter : all_parameters()) {
-      if (*parameter.find("name") == name) all.push_back(of(parameter));
-    }
-  }
-  return Value::map({{field, Value(std::move(all))}});
+  return parameter_messages(Value::map({{"frame", "lidar_link"},
+                                        {"rate", 10},
+                                        {"filter.gain", 2.0},
+                                        {"serial", "A-17"},
+                                        {"offsets", Value::list({0.5, 1.0})},
+                                        {"use_sim_time", false}}));
 }
 
 Value description_of(const Value& parameter) {
@@ -74,53 +56,34 @@ NodePeer::NodePeer(const std::function<std::unique_ptr<Peer>()>& make_peer, Faul
   sensor.reliability = segue::ros2::Reliability::BestEffort;
   topic_->advertise({"/scan", "lidar_msgs/msg/Sweep", hash_, sensor});
   topic_->announce("lidar");
-  serve(make_peer(), "get_state", "lifecycle_msgs/srv/GetState", [this](const Value&) {
+  services_.emplace(make_peer, "/lidar");
+  serve(fault);
+  services_->start();
+}
+
+NodePeer::~NodePeer() = default;
+
+void NodePeer::serve(Fault fault) {
+  services_->serve("get_state", "lifecycle_msgs/srv/GetState", [this](const Value&) {
     return Value::map({{"current_state", Value::map({{"id", state_.load()}})}});
   });
-  serve(make_peer(), "change_state", "lifecycle_msgs/srv/ChangeState", [this](const Value& request) {
+  services_->serve("change_state", "lifecycle_msgs/srv/ChangeState", [this](const Value& request) {
     constexpr int kStates[] = {0, 2, 1, 3, 2};  // after configure, cleanup, activate, deactivate
     state_ = kStates[request.find("transition")->find("id")->as_int()];
     return Value::map({{"success", true}});
   });
-  serve(make_peer(), "get_type_description", "type_description_interfaces/srv/GetTypeDescription",
-        [this, fault](const Value&) { return type_response(fault); });
-  serve_parameters(make_peer, fault);
-  thread_ = std::thread([this] {
-    for (; !ends_; std::this_thread::sleep_for(std::chrono::milliseconds(1)))
-      answer_all();
-  });
-}
-
-NodePeer::~NodePeer() {
-  ends_ = true;
-  thread_.join();
-}
-
-void NodePeer::serve(std::unique_ptr<Peer> peer, const std::string& name, const std::string& interface,
-                     std::function<std::optional<Value>(const Value&)> answer) {
-  peer->serve("/lidar/" + name, interface);
-  peer->announce("lidar");
-  services_.push_back({std::move(peer), interface, std::move(answer)});
-}
-
-void NodePeer::serve_parameters(const std::function<std::unique_ptr<Peer>()>& make_peer, Fault fault) {
-  serve(make_peer(), "list_parameters", "rcl_interfaces/srv/ListParameters",
-        [fault](const Value&) -> std::optional<Value> {
-          if (fault == Fault::HidesParameters) return {};
-          Value::List names;
-          for (const Value& parameter : all_parameters())
-            names.push_back(*parameter.find("name"));
-          return Value::map({{"result", Value::map({{"names", Value(std::move(names))}})}});
-        });
-  serve(make_peer(), "get_parameters", "rcl_interfaces/srv/GetParameters", [fault](const Value& request) {
-    auto all = with_names(request, "values", [](const Value& parameter) { return *parameter.find("value"); });
-    if (fault == Fault::LosesParameters) all->as_map()["values"].as_list().pop_back();
-    return all;
-  });
-  serve(make_peer(), "describe_parameters", "rcl_interfaces/srv/DescribeParameters",
-        [](const Value& request) { return with_names(request, "descriptors", description_of); });
-  serve(make_peer(), "set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically",
-        [this](const Value& request) { return set_parameters(request); });
+  services_->serve("get_type_description", "type_description_interfaces/srv/GetTypeDescription",
+                   [this, fault](const Value&) { return type_response(fault); });
+  services_->serve_parameters(all_parameters, description_of);
+  services_->serve("set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically",
+                   [this](const Value& request) { return set_parameters(request); });
+  if (fault == Fault::HidesParameters) services_->spoil("list_parameters", [](Value&) { return false; });
+  if (fault == Fault::LosesParameters) {
+    services_->spoil("get_parameters", [](Value& answer) {
+      answer.as_map()["values"].as_list().pop_back();
+      return true;
+    });
+  }
 }
 
 Value NodePeer::set_parameters(const Value& request) {
@@ -147,21 +110,6 @@ Value NodePeer::type_response(Fault fault) {
       {{"successful", true},
        {"type_description", Value::map({{"type_description", type_value(*messages.front())},
                                         {"referenced_type_descriptions", Value(std::move(parts))}})}});
-}
-
-void NodePeer::answer_all() {
-  for (const Service& service : services_) {
-    for (const Request& request : service.peer->requests()) {
-      const auto asked = segue::ros2::MessageCodec::of(library_, service.interface + "_Request").value();
-      const auto answer = service.answer(asked.decode(request.message).value());
-      if (!answer) continue;
-      // As servers of both middlewares wait for it, since a response that is sent before would be lost.
-      for (int i = 0; i < 1000 && service.peer->clients() == 0; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      const auto codec = segue::ros2::MessageCodec::of(library_, service.interface + "_Response").value();
-      service.peer->respond(request, codec.encode(*answer, "").value());
-    }
-  }
 }
 
 }  // namespace ros2::testing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "peer.hpp"
+#include "service_peer.hpp"
 
 #include <segue/base/mutex.hpp>
 #include <segue/ros2/interface_library.hpp>
@@ -14,8 +14,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
-#include <vector>
 
 namespace ros2::testing {
 
@@ -43,30 +41,18 @@ class NodePeer {
 
  private:
   using Value = segue::type::Value;
-  /// A service with the function that answers it; nothing: it does not answer.
-  struct Service {
-    std::unique_ptr<Peer> peer;
-    std::string interface;
-    std::function<std::optional<Value>(const Value& request)> answer;
-  };
-
-  void serve(std::unique_ptr<Peer> peer, const std::string& name, const std::string& interface,
-             std::function<std::optional<Value>(const Value&)> answer);
-  void serve_parameters(const std::function<std::unique_ptr<Peer>()>& make_peer, Fault fault);
+  void serve(Fault fault);
   Value set_parameters(const Value& request);
-  void answer_all();
   Value type_response(Fault fault);
 
   segue::testing::TemporaryFiles files_;
   segue::ros2::InterfaceLibrary library_;
   std::string hash_;
   std::unique_ptr<Peer> topic_;
-  std::vector<Service> services_;
   std::atomic<int> state_{3};
   segue::Mutex mutex_;
   Value got_ SEGUE_GUARDED_BY(mutex_);
-  std::atomic<bool> ends_{false};
-  std::thread thread_;
+  std::optional<ServicePeer> services_;  ///< the last, since its thread uses all others
 };
 
 }  // namespace ros2::testing

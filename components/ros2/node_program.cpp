@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for programs of ROS 2 packages in tests; which one, its file's name tells.
-//
-// managed: a managed node. Parameters: dies_in_configure, or meets: N, by which it is configured when N are
-// in configure.
+// Stands in for programs of ROS 2 packages in tests and examples; which one, its file's name tells.
 //
 // talker: a node without a life cycle.
 //
@@ -12,9 +9,19 @@
 //
 // component_container_isolated: loads managed nodes.
 //
-// Each node notes its arguments and parameters in $NODE_NOTES/NAME, and its pid in NAME.pid.
+// All others: a managed node. Its parameters:
+//   takes: {configure: 0.3}         seconds; also activate, deactivate, cleanup
+//   counts_on: /scan, every: 0.01   while it is active, it publishes 1, 2, ... (std_msgs/msg/UInt64) with so
+//                                   many seconds between them
+//   fails_to_activate: true
+//   dies_in_configure: true
+//   meets: 12                       it is configured when so many are in configure
+//
+// Each node notes its arguments and parameters in $NODE_NOTES/NAME, and its pid in NAME.pid, where there is
+// such a folder.
 #include "managed_peer.hpp"
 #include "sanitizer_options.hpp"
+#include "service_peer.hpp"
 
 #include <segue/base/file.hpp>
 #include <segue/type/yaml.hpp>
@@ -22,6 +29,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -70,6 +79,7 @@ fs::path notes() {
 }
 
 void note(const std::string& name, const std::string& text) {
+  if (std::getenv("NODE_NOTES") == nullptr) return;
   std::ofstream(notes() / (name + ".new")) << text;
   fs::rename(notes() / (name + ".new"), notes() / name);
 }
@@ -91,17 +101,90 @@ void meet(const std::string& name, std::int64_t count) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
 }
 
-std::unique_ptr<ManagedPeer> manage(const Arguments& node) {
-  note_node(node);
-  const Value* dies = node.parameters.find("dies_in_configure");
-  const Value* meets = node.parameters.find("meets");
-  return std::make_unique<ManagedPeer>(fast_peers_of_one_node(domain()), node.node(),
-                                       [=, name = node.name](int transition) {
-                                         if (transition != 1) return;
-                                         if (dies != nullptr) ::raise(SIGKILL);
-                                         if (meets != nullptr) meet(name, meets->as_int());
-                                       });
+std::chrono::duration<double> seconds(const Value& value) {
+  return std::chrono::duration<double>(value.as_double());
 }
+
+/// Publishes numbers while its node is active.
+class Counter {
+ public:
+  Counter(std::unique_ptr<Peer> peer, const std::string& node, const std::string& topic,
+          std::chrono::duration<double> period)
+      : peer_(std::move(peer)), thread_([this, period] { count(period); }) {
+    peer_->advertise({topic, "std_msgs/msg/UInt64"});
+    peer_->announce(node.substr(1));
+  }
+  ~Counter() {
+    ends_ = true;
+    thread_.join();
+  }
+  Counter(const Counter&) = delete;
+  Counter& operator=(const Counter&) = delete;
+  void set_active(bool active) { active_ = active; }
+
+ private:
+  void count(std::chrono::duration<double> period) {
+    for (; !ends_; std::this_thread::sleep_for(period)) {
+      if (!active_) continue;
+      ++number_;
+      peer_->publish(codec_.encode(Value::map({{"data", number_}}), "").value());
+    }
+  }
+
+  segue::ros2::InterfaceLibrary library_;
+  const segue::ros2::MessageCodec codec_ =
+      segue::ros2::MessageCodec::of(library_, "std_msgs/msg/UInt64").value();
+  const std::unique_ptr<Peer> peer_;
+  std::int64_t number_ = 0;
+  std::atomic<bool> active_{false};
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+Value description_of(const Value& parameter) {
+  return Value::map({{"name", *parameter.find("name")}, {"type", *parameter.find("value")->find("type")}});
+}
+
+/// A managed node as its parameters say.
+class Managed {
+ public:
+  explicit Managed(const Arguments& node)
+      : name_(node.name),
+        parameters_(node.parameters.is_null() ? Value::map({}) : node.parameters),
+        services_(make_peer_, node.node()) {
+    note_node(node);
+    if (const Value* topic = parameters_.find("counts_on"))
+      counter_ = std::make_unique<Counter>(make_peer_(), node.node(), topic->as_string(),
+                                           seconds(*parameters_.find("every")));
+    peer_ =
+        std::make_unique<ManagedPeer>(make_peer_, node.node(), [this](int transition) { enter(transition); });
+    services_.serve_parameters([this] { return parameter_messages(parameters_); }, description_of);
+    services_.start();
+    if (parameters_.find("fails_to_activate") != nullptr)
+      peer_->set_fault(ManagedPeer::Fault::FailsToActivate);
+  }
+
+ private:
+  void enter(int transition) {
+    static constexpr std::array kNames{"", "configure", "cleanup", "activate", "deactivate"};
+    if (counter_ != nullptr && transition == 4) counter_->set_active(false);
+    if (const Value* takes = parameters_.find("takes")) {
+      if (const Value* time = takes->find(kNames.at(static_cast<std::size_t>(transition))))
+        std::this_thread::sleep_for(seconds(*time));
+    }
+    if (counter_ != nullptr && transition == 3) counter_->set_active(true);
+    if (transition != 1) return;
+    if (parameters_.find("dies_in_configure") != nullptr) ::raise(SIGKILL);
+    if (const Value* meets = parameters_.find("meets")) meet(name_, meets->as_int());
+  }
+
+  const std::string name_;
+  const Value parameters_;
+  const std::function<std::unique_ptr<Peer>()> make_peer_ = fast_peers_of_one_node(domain());
+  std::unique_ptr<Counter> counter_;
+  std::unique_ptr<ManagedPeer> peer_;
+  ServicePeer services_;
+};
 
 void wait_for_end() {
   sigset_t signals;
@@ -162,7 +245,7 @@ class Container {
     for (const Value& each : asked.find("parameters")->as_list())
       node.parameters.as_map().set(each.find("name")->as_string(),
                                    *each.find("value")->find("integer_value"));
-    nodes_[++last_] = manage(node);
+    nodes_[++last_] = std::make_unique<Managed>(node);
     return Value::map({{"success", true}, {"full_node_name", node.node()}, {"unique_id", last_}});
   }
   segue::ros2::MessageCodec codec(const std::string& name) {
@@ -181,7 +264,7 @@ class Container {
   const std::function<std::unique_ptr<Peer>()> make_peer_ = fast_peers_of_one_node(domain());
   std::unique_ptr<Peer> load_ = make_peer_();
   std::unique_ptr<Peer> unload_ = make_peer_();
-  std::map<std::int64_t, std::unique_ptr<ManagedPeer>> nodes_;
+  std::map<std::int64_t, std::unique_ptr<Managed>> nodes_;
   std::int64_t last_ = 0;
 };
 
@@ -210,7 +293,7 @@ int run(const std::string& program, const Arguments& node) {
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   if (program == "talker") return talk(node);
   if (program == "component_container_isolated") return contain(node);
-  const auto managed = manage(node);
+  const Managed managed(node);
   wait_for_end();
   note(node.name + ".end", "by SIGINT");
   return 0;

@@ -95,6 +95,14 @@ void keep_on_this_computer(std::uint32_t domain, dds::DomainParticipantQos& qual
   builtin.initialPeersList.push_back(here);
 }
 
+/// Bounds of all that is kept of others: far more than a robot has.
+void limit_others(dds::DomainParticipantQos& quality) {
+  constexpr std::size_t kMostParticipants = 400;
+  constexpr std::size_t kMostEndpoints = 20'000;  // of readers and of writers, of all participants together
+  quality.allocation().participants = {0, kMostParticipants, 1};
+  quality.allocation().readers = quality.allocation().writers = {0, kMostEndpoints / kMostParticipants, 1};
+}
+
 /// UDP only: segments of shared memory would stay behind where a process is killed, and are closed to other
 /// users.
 dds::DomainParticipantQos quality_of(const Settings& settings,
@@ -104,6 +112,7 @@ dds::DomainParticipantQos quality_of(const Settings& settings,
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->sendBufferSize = udp->receiveBufferSize = kSocketBytes;
   if (settings.localhost_only) keep_on_this_computer(settings.domain, quality, *udp);
+  limit_others(quality);
   quality.wire_protocol().prefix = new_identifier();
   auto& discovery = quality.wire_protocol().builtin.discovery_config;
   discovery.initial_announcements = {20, {0, 50'000'000}};
@@ -132,6 +141,18 @@ std::vector<segue::ros2::UdpAddress> addresses_of(const Locators& locators) {
   return found;
 }
 
+/// As Fast DDS prints it: "01.0f.3a..."
+std::string name_of(const segue::ros2::Gid& participant) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string name;
+  for (const std::uint8_t one : std::span(participant).first(rtps::GuidPrefix_t::size)) {
+    if (!name.empty()) name += '.';
+    name += kDigits[one / 16];
+    name += kDigits[one % 16];
+  }
+  return name;
+}
+
 /// The nodes of other participants that wait to be read.
 class EntitiesSink final : public MessageSink {
  public:
@@ -156,13 +177,22 @@ class Participant::DiscoveryReader final : public dds::DataReaderListener {
     EntitiesSink sink;
     dds::SampleInfo info;
     while (reader->take_next_sample(&sink, &info) == ReturnCode_t::RETCODE_OK) {
-      if (info.valid_data && sink.entities) participant_.graph_.set(*sink.entities);
+      take(sink, gid_of(info.sample_identity.writer_guid()));
       sink.entities.reset();
     }
     participant_.tell_watchers();
   }
 
  private:
+  void take(const EntitiesSink& sink, const segue::ros2::Gid& sender) {
+    if (!sink.entities) return;
+    if (auto checked = check(*sink.entities, sender)) {
+      participant_.graph_.set(*sink.entities);
+    } else {
+      participant_.refuse(sender, checked.error());
+    }
+  }
+
   Participant& participant_;
 };
 
@@ -353,12 +383,31 @@ void Participant::on_participant_discovery(dds::DomainParticipant*, rtps::Partic
   tell_watchers();
 }
 
+void Participant::set(segue::ros2::Endpoint endpoint) {
+  if (auto checked = check(endpoint)) {
+    graph_.set(std::move(endpoint));
+  } else {
+    refuse(endpoint.gid, checked.error());
+  }
+}
+
+void Participant::refuse(const segue::ros2::Gid& sender, const segue::Error& why) {
+  constexpr std::size_t kMostLogged = 100;
+  segue::ros2::Gid participant{};
+  std::copy_n(sender.begin(), rtps::GuidPrefix_t::size, participant.begin());
+  const segue::Lock lock(refused_mutex_);
+  if (refused_.size() >= kMostLogged || !refused_.insert(participant).second) return;
+  segue::log(segue::LogLevel::Warning, "ros2",
+             "what participant " + name_of(participant) + " says of itself is not taken: " + why.message +
+                 (refused_.size() == kMostLogged ? "; others will not be logged" : ""));
+}
+
 void Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDiscoveryInfo&& info) {
   if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
     graph_.remove(gid_of(info.info.guid()));
   } else {
-    graph_.set({gid_of(info.info.guid()), true, info.info.topicName().to_string(),
-                info.info.typeName().to_string(), hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
+    set({gid_of(info.info.guid()), true, info.info.topicName().to_string(), info.info.typeName().to_string(),
+         hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
   }
   tell_watchers();
 }
@@ -413,8 +462,8 @@ void Participant::on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderD
     graph_.remove(gid_of(info.info.guid()));
     forget_reader(gid_of(info.info.guid()));
   } else {
-    graph_.set({gid_of(info.info.guid()), false, info.info.topicName().to_string(),
-                info.info.typeName().to_string(), hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
+    set({gid_of(info.info.guid()), false, info.info.topicName().to_string(), info.info.typeName().to_string(),
+         hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
   }
   tell_watchers();
 }

@@ -105,6 +105,9 @@ class Participant final : private dds::DomainParticipantListener,
   segue::Result<dds::Topic*> use(const TopicName& name);
   void leave(const std::string& topic);
   void publish_nodes() SEGUE_REQUIRES(nodes_mutex_);
+  void set(segue::ros2::Endpoint endpoint);
+  /// Logs that something is not taken, once for each participant, and only so often for all of them.
+  void refuse(const segue::ros2::Gid& sender, const segue::Error& why);
   void tell_watchers();
   void acknowledged(const Acknowledgement& one);
   void forget_reader(const segue::ros2::Gid& reader);
@@ -118,6 +121,9 @@ class Participant final : private dds::DomainParticipantListener,
 
   const Settings settings_;
   segue::ros2::NodeGraph graph_;
+  segue::Mutex refused_mutex_;
+  std::set<segue::ros2::Gid> refused_
+      SEGUE_GUARDED_BY(refused_mutex_);  ///< participants, as far as they were logged
   segue::Mutex watchers_mutex_;
   std::map<const void*, std::function<void()>> watchers_ SEGUE_GUARDED_BY(watchers_mutex_);
   mutable segue::Mutex acknowledged_mutex_;

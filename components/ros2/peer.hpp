@@ -51,6 +51,10 @@ class Peer {
   virtual void subscribe(const TopicOf& topic) = 0;
   /// Says on ros_discovery_info that its endpoints, those of its service included, are those of this node.
   virtual void announce(const std::string& node) = 0;
+  /// Says that on ros_discovery_info as it is, true or not.
+  virtual void say(const Bytes& entities) = 0;
+  /// So many publishers of the topic beside the one of advertise(), of no node.
+  virtual void advertise_more(const TopicOf& topic, std::size_t count) = 0;
   virtual void publish(const Bytes& message) = 0;
   /// The messages that have come since the last call.
   virtual std::vector<Bytes> take() = 0;

@@ -122,6 +122,7 @@ class CyclonePeer final : public Peer {
     entities_in_ = make(false, {"", "", "", latched}, "ros_discovery_info", kEntitiesType);
   }
   ~CyclonePeer() override {
+    more_.clear();
     out_.reset();
     in_.reset();
     stop_serving();
@@ -149,6 +150,13 @@ class CyclonePeer final : public Peer {
     if (requests_) entities.subscriptions.push_back(gid_of(requests_->entity));
     if (responses_) entities.publishers.push_back(gid_of(responses_->entity));
     entities_out_->write(segue::ros2::encode({gid_of(participant_), {entities}}));
+  }
+  void say(const Bytes& entities) override { entities_out_->write(entities); }
+  void advertise_more(const TopicOf& topic, std::size_t count) override {
+    for (std::size_t i = 0; i < count; ++i) {
+      more_.push_back(make(true, topic, segue::ros2::dds_topic_name(topic.topic).value(),
+                           segue::ros2::dds_type_name(topic.interface)));
+    }
   }
   void publish(const Bytes& message) override { out_->write(message); }
   std::vector<Bytes> take() override { return in_->take(); }
@@ -281,6 +289,7 @@ class CyclonePeer final : public Peer {
   dds_entity_t participant_ = 0;
   std::unique_ptr<Channel> entities_out_;
   std::unique_ptr<Channel> entities_in_;
+  std::vector<std::unique_ptr<Channel>> more_;
   std::unique_ptr<Channel> out_;
   std::unique_ptr<Channel> in_;
   std::unique_ptr<Channel> requests_;

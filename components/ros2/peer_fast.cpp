@@ -202,6 +202,16 @@ class FastPeer final : public Peer {
     Bytes message = segue::ros2::encode(all);
     shared_->entities_out->write(&message);
   }
+  void say(const Bytes& entities) override {
+    Bytes bytes = entities;
+    shared_->entities_out->write(&bytes);
+  }
+  void advertise_more(const TopicOf& wanted, std::size_t count) override {
+    for (std::size_t i = 0; i < count; ++i) {
+      publisher_->create_datawriter(topic_of(wanted),
+                                    quality_of<edds::DataWriterQos>(wanted.quality, wanted.hash));
+    }
+  }
   void publish(const Bytes& message) override {
     Bytes bytes = message;
     if (!out_->write(&bytes)) std::fprintf(stderr, "the peer cannot write\n");

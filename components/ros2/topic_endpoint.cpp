@@ -104,15 +104,19 @@ std::uint32_t TopicEndpoint::mismatched() const {
 }
 
 void TopicEndpoint::check_others() {
+  constexpr std::size_t kMostSaid = 20;  // somebody may bring a thousand
   std::vector<std::string> found;
   for (segue::ros2::Mismatch& one : mismatches()) {
     if (one.is_named) found.push_back(std::move(one.text));
   }
   const segue::Lock lock(others_mutex_);
+  if (found.empty()) said_.clear();
   for (const std::string& one : found) {
-    if (std::ranges::find(said_, one) == said_.end()) segue::log(segue::LogLevel::Warning, id(), one);
+    if (said_.size() >= kMostSaid || !said_.insert(one).second) continue;
+    segue::log(segue::LogLevel::Warning, id(), one);
+    if (said_.size() == kMostSaid)
+      segue::log(segue::LogLevel::Warning, id(), "others do not fit, too: the operation mismatches has them");
   }
-  said_ = std::move(found);
 }
 
 }  // namespace ros2

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,7 @@ class TopicEndpoint : public NodeTask {
   segue::Result<segue::ros2::Quality> wanted_quality() const;
   std::vector<segue::ros2::Mismatch> mismatches() const;
   std::vector<std::string> mismatch_texts() const;
-  /// Logs each mismatch that is new and has its name. In threads of Fast DDS.
+  /// Logs each mismatch that is new and has its name, up to a bound. In threads of Fast DDS.
   void check_others();
 
   segue::task::Property<std::string> topic_text_{*this, "topic", {}, {.doc = "name of the topic: /scan"}};
@@ -81,7 +82,7 @@ class TopicEndpoint : public NodeTask {
   segue::ros2::Endpoint own_;  ///< changed only while there is no endpoint
   mutable segue::Mutex others_mutex_;
   std::optional<segue::ros2::Endpoint> shown_ SEGUE_GUARDED_BY(others_mutex_);  ///< own_, for other threads
-  std::vector<std::string> said_ SEGUE_GUARDED_BY(others_mutex_);
+  std::set<std::string> said_ SEGUE_GUARDED_BY(others_mutex_);  ///< since nothing was there to be said
 };
 
 }  // namespace ros2

@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
+#include <segue/ros2/interface_names.hpp>
 
 #include <algorithm>
 #include <array>
@@ -27,11 +28,22 @@ std::string difference(const Endpoint& own, const Endpoint& other) {
 void NodeGraph::set(Endpoint endpoint) {
   const Lock lock(mutex_);
   const Gid gid = endpoint.gid;
+  remove_from_topic(gid);
+  of_topic_[endpoint.topic].insert(gid);
   endpoints_[gid] = std::move(endpoint);
+}
+
+void NodeGraph::remove_from_topic(const Gid& endpoint) {
+  const auto known = endpoints_.find(endpoint);
+  if (known == endpoints_.end()) return;
+  const auto topic = of_topic_.find(known->second.topic);
+  topic->second.erase(endpoint);
+  if (topic->second.empty()) of_topic_.erase(topic);
 }
 
 void NodeGraph::remove(const Gid& endpoint) {
   const Lock lock(mutex_);
+  remove_from_topic(endpoint);
   endpoints_.erase(endpoint);
 }
 
@@ -81,8 +93,10 @@ bool NodeGraph::is_of_ros(const Gid& endpoint) const {
 std::vector<Endpoint> NodeGraph::endpoints(std::string_view dds_topic, bool publishes) const {
   std::vector<Endpoint> found;
   const Lock lock(mutex_);
-  for (const auto& [gid, endpoint] : endpoints_) {
-    if (endpoint.publishes == publishes && endpoint.topic == dds_topic) found.push_back(endpoint);
+  const auto topic = of_topic_.find(dds_topic);
+  if (topic == of_topic_.end()) return found;
+  for (const Gid& gid : topic->second) {
+    if (const Endpoint& one = endpoints_.at(gid); one.publishes == publishes) found.push_back(one);
   }
   return found;
 }
@@ -115,6 +129,7 @@ GraphSnapshot NodeGraph::snapshot() const {
 std::vector<Mismatch> NodeGraph::mismatches_of(const Endpoint& own) const {
   std::vector<Mismatch> found;
   for (const Endpoint& other : endpoints(own.topic, !own.publishes)) {
+    if (found.size() == kMostMismatches) break;
     std::vector<std::string> reasons =
         own.publishes ? mismatches(own.quality, other.quality) : mismatches(other.quality, own.quality);
     if (std::string types = difference(own, other); !types.empty()) reasons.insert(reasons.begin(), types);
@@ -128,10 +143,23 @@ std::vector<Mismatch> NodeGraph::mismatches_of(const Endpoint& own) const {
   return found;
 }
 
+Result<void> check(const Endpoint& endpoint) {
+  constexpr std::size_t kLongestName = 256;
+  for (const std::string& name : {endpoint.topic, endpoint.type}) {
+    if (name.empty() || name.size() > kLongestName ||
+        !std::ranges::all_of(name, [](char c) { return c >= ' ' && c <= '~'; }))
+      return fail(ErrorCode::InvalidArgument, "it has an endpoint whose topic or type cannot be shown");
+  }
+  return {};
+}
+
 std::string type_hash_in(std::string_view user_data) {
   constexpr std::string_view kKey = "typehash=";
+  constexpr std::size_t kLongestHash = 100;  // RIHS01_ and 64 digits, today
   for (const std::string_view entry : split(user_data, ';')) {
-    if (entry.starts_with(kKey)) return std::string(entry.substr(kKey.size()));
+    if (!entry.starts_with(kKey)) continue;
+    const std::string_view hash = entry.substr(kKey.size());
+    return hash.size() <= kLongestHash && is_topic_token(hash) ? std::string(hash) : std::string();
   }
   return {};
 }

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <segue/base/mutex.hpp>
+#include <segue/base/result.hpp>
 #include <segue/ros2/participant_entities.hpp>
 #include <segue/ros2/quality.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,7 +53,8 @@ struct Mismatch {
       true;  ///< false: its participant is one of ROS 2, which has not yet said whose endpoint it is
 };
 
-/// All that is known of nodes and their endpoints. Any thread.
+/// All that is known of nodes and their endpoints. Others must have been allowed to say it (check()). Any
+/// thread.
 class NodeGraph {
  public:
   /// Notes a participant of ROS 2, whose nodes will be told, or that it has other addresses now.
@@ -69,12 +74,16 @@ class NodeGraph {
   [[nodiscard]] bool has_node(std::string_view name, const Gid& own) const;
   [[nodiscard]] GraphSnapshot snapshot() const;
 
-  /// Those between an own endpoint and those of others on its topic.
+  /// Those between an own endpoint and those of others on its topic, kMostMismatches at most.
+  static constexpr std::size_t kMostMismatches = 100;
   [[nodiscard]] std::vector<Mismatch> mismatches_of(const Endpoint& own) const;
 
  private:
   mutable Mutex mutex_;
+  void remove_from_topic(const Gid& endpoint) SEGUE_REQUIRES(mutex_);
   std::map<Gid, Endpoint> endpoints_ SEGUE_GUARDED_BY(mutex_);
+  /// Each task looks at its topic whenever something changes.
+  std::map<std::string, std::set<Gid>, std::less<>> of_topic_ SEGUE_GUARDED_BY(mutex_);
   void forget_nodes(const Gid& participant) SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool is_of_ros(const Gid& endpoint) const;
 
@@ -82,7 +91,12 @@ class NodeGraph {
   std::map<Gid, std::string> nodes_ SEGUE_GUARDED_BY(mutex_);  ///< by endpoint
 };
 
-/// The hash in the user data of an endpoint, "typehash=RIHS01_...;", or empty.
+/// InvalidArgument where the names of its topic or type cannot be shown: those of DDS are printable ASCII, of
+/// up to 256 characters, without control characters.
+Result<void> check(const Endpoint& endpoint);
+
+/// The hash in the user data of an endpoint, "typehash=RIHS01_...;"; empty where there is none, or none of
+/// letters, digits and '_'.
 std::string type_hash_in(std::string_view user_data);
 
 }  // namespace segue::ros2

@@ -140,6 +140,68 @@ TEST(ParticipantEntities, HostileBytesAreRefused) {
   EXPECT_EQ(decode_participant_entities(whole), std::nullopt);
 }
 
+/// Why a participant may not have that node; empty: it may.
+std::string refusal(const NodeEntities& node) {
+  const auto checked = check(ParticipantEntities{gid(1), {{"/", "talker", {}, {gid(1)}}, node}}, gid(1));
+  return checked ? "" : checked.error().message;
+}
+
+TEST(ParticipantEntities, MaySayWhatAParticipantItselfHas) {
+  EXPECT_EQ(refusal({"/", "_hidden_1", {gid(1)}, {gid(1)}}), "");
+  EXPECT_EQ(refusal({"/robot/front", "lidar", {}, {}}), "");
+  EXPECT_EQ(check(ParticipantEntities{gid(1), {}}, gid(2)).error().message,
+            "it speaks for another participant");
+  EXPECT_EQ(refusal({"/", "thief", {}, {gid(1), gid(2)}}),
+            "it says that node /thief has endpoints of others");
+  EXPECT_EQ(refusal({"/", "thief", {gid(2)}, {}}), "it says that node /thief has endpoints of others");
+  const ParticipantEntities many{gid(1), std::vector<NodeEntities>(kMostNodes + 1, {"/", "one", {}, {}})};
+  EXPECT_EQ(check(many, gid(1)).error().message, "it has 1001 nodes, more than the 1000 that are taken");
+}
+
+TEST(ParticipantEntities, HaveNamesOfRos2) {
+  const std::string kNoName = "it has a node whose name is not a valid one";
+  for (const std::string& name :
+       {std::string(), std::string("a b"), std::string("\033[2J"), std::string("1st"), std::string(256, 'a')})
+    EXPECT_EQ(refusal({"/", name, {}, {}}), kNoName) << name;
+  for (const char* name_space : {"", "robot", "/robot/", "//", "/a\nb"})
+    EXPECT_EQ(refusal({name_space, "lidar", {}, {}}), kNoName) << name_space;
+}
+
+TEST(Endpoint, HasNamesThatCanBeShown) {
+  Endpoint endpoint = publisher_of_strings(1);
+  EXPECT_TRUE(check(endpoint));
+  for (std::string* name : {&endpoint.topic, &endpoint.type}) {
+    const std::string good = *name;
+    for (const std::string& wrong :
+         {std::string(), std::string("a\033[31m"), std::string("\xff"), std::string(257, 'a')}) {
+      *name = wrong;
+      EXPECT_FALSE(check(endpoint)) << wrong;
+    }
+    *name = good;
+  }
+  EXPECT_EQ(type_hash_in("typehash=RIHS01_0a;"), "RIHS01_0a");
+  EXPECT_EQ(type_hash_in("typehash=\033[2J;"), "");
+  EXPECT_EQ(type_hash_in("typehash=" + std::string(101, 'a')), "");
+}
+
+TEST(NodeGraph, KnowsTheEndpointsOfATopic) {
+  NodeGraph graph;
+  const Endpoint own = subscription_to_strings();
+  graph.set(publisher_of_strings(1));
+  Endpoint other = publisher_of_strings(2);
+  other.topic = "rt/other";
+  graph.set(other);
+  EXPECT_EQ(graph.endpoints("rt/chatter", true).size(), 1);
+  EXPECT_THAT(graph.endpoints("rt/chatter", false), IsEmpty());
+  other.topic = "rt/chatter";
+  graph.set(other);
+  EXPECT_EQ(graph.endpoints("rt/chatter", true).size(), 2);
+  EXPECT_THAT(graph.endpoints("rt/other", true), IsEmpty());
+  graph.remove(gid(2));
+  graph.remove(gid(2));
+  EXPECT_EQ(graph.endpoints("rt/chatter", true).size(), 1);
+}
+
 TEST(NodeGraph, SaysWhichNodeDoesNotMatchAndWhy) {
   NodeGraph graph;
   Endpoint talker = publisher_of_strings(1);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/ros2/participant_entities.hpp>
 
+#include <segue/base/text.hpp>
+#include <segue/ros2/interface_names.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 
@@ -74,6 +76,25 @@ std::vector<wire::Identifier16> on_wire(const std::vector<Gid>& gids) {
   return identifiers;
 }
 
+/// "/" or "/robot/arm"
+bool is_name_space(std::string_view name) {
+  return name == "/" ||
+         (name.starts_with('/') && std::ranges::all_of(split(name.substr(1), '/'), is_topic_token));
+}
+
+Result<void> check(const NodeEntities& node, const Gid& sender) {
+  constexpr std::size_t kLongestName = 255;  // rmw's RMW_NODE_NAME_MAX_NAME_LENGTH
+  if (node.name.size() > kLongestName || node.name_space.size() > kLongestName ||
+      !is_topic_token(node.name) || !is_name_space(node.name_space)) {
+    return fail(ErrorCode::InvalidArgument, "it has a node whose name is not a valid one");
+  }
+  const auto is_own = [&](const Gid& endpoint) { return same_participant(endpoint, sender); };
+  if (std::ranges::all_of(node.subscriptions, is_own) && std::ranges::all_of(node.publishers, is_own))
+    return {};
+  return fail(ErrorCode::InvalidArgument,
+              "it says that node " + full_name(node) + " has endpoints of others");
+}
+
 }  // namespace
 
 std::string full_name(const NodeEntities& node) {
@@ -95,6 +116,20 @@ std::vector<std::byte> encode(const ParticipantEntities& entities) {
 std::optional<ParticipantEntities> decode_participant_entities(std::span<const std::byte> message) {
   if (auto entities = decode<16>(message)) return entities;
   return decode<24>(message);
+}
+
+Result<void> check(const ParticipantEntities& entities, const Gid& sender) {
+  if (!same_participant(entities.participant, sender))
+    return fail(ErrorCode::InvalidArgument, "it speaks for another participant");
+  if (entities.nodes.size() > kMostNodes) {
+    return fail(ErrorCode::InvalidArgument, "it has " + counted(entities.nodes.size(), "node") +
+                                                ", more than the " + std::to_string(kMostNodes) +
+                                                " that are taken");
+  }
+  for (const NodeEntities& node : entities.nodes) {
+    if (auto checked = check(node, sender); !checked) return checked;
+  }
+  return {};
 }
 
 }  // namespace segue::ros2

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/result.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -45,5 +47,12 @@ std::vector<std::byte> encode(const ParticipantEntities& entities);
 /// Reads it as written by any ROS 2: before Iron, identifiers have 24 bytes, of which 16 are used. Nothing
 /// where it is neither. The bytes are untrusted.
 std::optional<ParticipantEntities> decode_participant_entities(std::span<const std::byte> message);
+
+/// How many nodes a participant may have.
+inline constexpr std::size_t kMostNodes = 1000;
+/// Whether the participant that `sender` belongs to may say that. InvalidArgument: it speaks for another
+/// participant or about endpoints of others, has more than kMostNodes nodes, or one whose name is not one of
+/// ROS 2.
+Result<void> check(const ParticipantEntities& entities, const Gid& sender);
 
 }  // namespace segue::ros2
