@@ -18,6 +18,7 @@
 #include <fastdds/dds/topic/Topic.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
 #include <random>
 #include <utility>
@@ -105,8 +106,7 @@ void limit_others(dds::DomainParticipantQos& quality) {
 
 /// UDP only: segments of shared memory would stay behind where a process is killed, and are closed to other
 /// users.
-dds::DomainParticipantQos quality_of(const Settings& settings,
-                                     std::function<void(const Acknowledgement&)> acknowledged) {
+dds::DomainParticipantQos quality_of(const Settings& settings, TransportOptions options) {
   dds::DomainParticipantQos quality;
   quality.user_data().setValue({kUserData.begin(), kUserData.end()});
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
@@ -115,11 +115,10 @@ dds::DomainParticipantQos quality_of(const Settings& settings,
   limit_others(quality);
   quality.wire_protocol().prefix = new_identifier();
   auto& discovery = quality.wire_protocol().builtin.discovery_config;
-  discovery.initial_announcements = {20, {0, 50'000'000}};
+  discovery.initial_announcements = {50, {0, 20'000'000}};
   discovery.leaseDuration_announcementperiod = {1, 0};
   quality.transport().use_builtin_transports = false;
-  quality.transport().user_transports = {
-      watched_transport(udp, std::move(acknowledged), settings.localhost_only)};
+  quality.transport().user_transports = {watched_transport(udp, std::move(options))};
   return quality;
 }
 
@@ -223,9 +222,12 @@ Participant::Participant(const Settings& settings) : settings_(settings) {}
 segue::Result<void> Participant::start() {
   take_log_lines();
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  participant_ = factory->create_participant(
-      settings_.domain, quality_of(settings_, [this](const Acknowledgement& one) { acknowledged(one); }),
-      this, dds::StatusMask::none());
+  const auto listens = std::make_shared<std::atomic<bool>>(false);
+  const TransportOptions options{[this](const Acknowledgement& one) { acknowledged(one); },
+                                 settings_.localhost_only, listens};
+  participant_ = factory->create_participant(settings_.domain, quality_of(settings_, options), this,
+                                             dds::StatusMask::none());
+  listens->store(true, std::memory_order_relaxed);
   if (participant_ == nullptr)
     return fail(ErrorCode::Unavailable, "Fast DDS cannot start (" + to_string(settings_) + ")");
   publisher_ = participant_->create_publisher(dds::PublisherQos());

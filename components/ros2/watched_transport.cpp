@@ -71,13 +71,11 @@ bool is_departure(std::span<const std::byte> message, const Submessage& one) {
 
 class Descriptor final : public fast::ChainingTransportDescriptor {
  public:
-  Descriptor(std::shared_ptr<fast::TransportDescriptorInterface> udp,
-             std::function<void(const Acknowledgement&)> told, bool here)
-      : ChainingTransportDescriptor(std::move(udp)), acknowledged(std::move(told)), only_here(here) {}
+  Descriptor(std::shared_ptr<fast::TransportDescriptorInterface> udp, TransportOptions its)
+      : ChainingTransportDescriptor(std::move(udp)), options(std::move(its)) {}
   fast::TransportInterface* create_transport() const override;
 
-  std::function<void(const Acknowledgement&)> acknowledged;
-  bool only_here;
+  TransportOptions options;
 };
 
 /// The addresses of a message; each is known to UDP when it is sent to. Fast DDS 2.9 leaves out that of a
@@ -116,15 +114,16 @@ class Transport final : public fast::ChainingTransport {
   bool send(eprosima::fastrtps::rtps::SenderResource* resource, const octet* bytes, std::uint32_t size,
             fast::LocatorsIterator* begin, fast::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& timeout) override {
+    if (!descriptor_.options.listens->load(std::memory_order_relaxed)) return true;
     KnownLocators known(*low_level_transport_, *begin);
     return resource->send(bytes, size, &known, end, timeout);
   }
   void receive(fast::TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
-    if (descriptor_.only_here && !own_addresses_.contains(address_of(remote))) return;
+    if (descriptor_.options.only_here && !own_addresses_.contains(address_of(remote))) return;
     const auto message = std::as_bytes(std::span(bytes, size));
     for (const Acknowledgement& one : acknowledgements_in(message))
-      descriptor_.acknowledged(one);
+      descriptor_.options.acknowledged(one);
     const auto changed = with_departures_as_data(message);
     if (changed.empty()) return receiver->OnDataReceived(bytes, size, local, remote);
     receiver->OnDataReceived(reinterpret_cast<const octet*>(changed.data()), size, local, remote);
@@ -148,9 +147,8 @@ fast::TransportInterface* Descriptor::create_transport() const {
 }  // namespace
 
 std::shared_ptr<fast::TransportDescriptorInterface> watched_transport(
-    std::shared_ptr<fast::TransportDescriptorInterface> udp,
-    std::function<void(const Acknowledgement&)> acknowledged, bool only_here) {
-  return std::make_shared<Descriptor>(std::move(udp), std::move(acknowledged), only_here);
+    std::shared_ptr<fast::TransportDescriptorInterface> udp, TransportOptions options) {
+  return std::make_shared<Descriptor>(std::move(udp), std::move(options));
 }
 
 std::vector<Acknowledgement> acknowledgements_in(std::span<const std::byte> message) {

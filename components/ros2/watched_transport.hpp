@@ -5,6 +5,7 @@
 
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
+#include <atomic>
 #include <compare>
 #include <cstddef>
 #include <functional>
@@ -21,15 +22,22 @@ struct Acknowledgement {
   friend auto operator<=>(const Acknowledgement&, const Acknowledgement&) = default;
 };
 
+struct TransportOptions {
+  /// Is told, in threads of Fast DDS, of each message by which readers acknowledge.
+  std::function<void(const Acknowledgement&)> acknowledged;
+  bool only_here = false;  ///< messages of other computers are dropped
+  /// Nothing is sent before it is true. (A participant of Fast DDS announces itself before it listens. Others
+  /// answer within 0.1 ms, once; what it does not hear then, it hears when they announce themselves the next
+  /// time, after seconds. Relaxed: no memory depends on it.)
+  std::shared_ptr<const std::atomic<bool>> listens{};
+};
+
 /// UDP with some additions to Fast DDS 2.9. It also understands how Cyclone DDS says that an endpoint or a
 /// participant has left: Cyclone sends its key as the specification has it (DDSI-RTPS 2.3, 9.6.3.8: a
 /// serialized key, a list of parameters), of which Fast DDS reads 16 bytes at most; such an endpoint would be
 /// there until its process has ended. Messages can go to addresses that Fast DDS has not told it of before.
-/// `acknowledged` is told, in threads of Fast DDS, of each message by which readers acknowledge. And with
-/// `only_here`, messages of other computers are dropped.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> watched_transport(
-    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp,
-    std::function<void(const Acknowledgement&)> acknowledged, bool only_here);
+    std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> udp, TransportOptions options);
 
 /// The acknowledgements of readers of users in an RTPS message, whose bytes are untrusted.
 std::vector<Acknowledgement> acknowledgements_in(std::span<const std::byte> message);
