@@ -2,6 +2,8 @@
 #include "managed_peer.hpp"
 #include "topics_test_support.hpp"
 
+#include <future>
+
 namespace ros2::testing {
 namespace {
 
@@ -148,6 +150,32 @@ TEST_P(ManagedNodes, ThatAreNotSeenForAWhileGoOn) {
 
 INSTANTIATE_TEST_SUITE_P(, ManagedNodes, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
                          middleware_name);
+
+TEST(ManyManagedNodes, AreConfiguredAtTheSameTimeAgainAndAgain) {
+  constexpr std::size_t kNodes = 25;
+  const auto make_peer = fast_peers_of_one_node(own_domain());
+  std::vector<std::unique_ptr<ManagedPeer>> nodes;
+  std::vector<std::unique_ptr<RunningTask>> tasks;
+  for (std::size_t i = 0; i < kNodes; ++i) {
+    nodes.push_back(std::make_unique<ManagedPeer>(make_peer, "/node_" + std::to_string(i)));
+    tasks.push_back(std::make_unique<RunningTask>("ros2::ManagedNode", "task_" + std::to_string(i)));
+  }
+  for (int round = 0; round < 3; ++round) {
+    std::vector<std::future<segue::Result<void>>> done;
+    for (std::size_t i = 0; i < kNodes; ++i) {
+      auto values = node_properties();
+      values["name"] = "/node_" + std::to_string(i);
+      done.push_back(
+          std::async(std::launch::async, [&task = *tasks[i], values] { return task.configure(values); }));
+    }
+    for (auto& one : done) {
+      const auto result = one.get();
+      EXPECT_TRUE(result) << segue::to_string(result.error());
+    }
+    for (const auto& task : tasks)
+      ASSERT_TRUE(task->task().cleanup(soon()));
+  }
+}
 
 TEST(ManagedNodeProperties, AreRefusedWithAReason) {
   const auto refusal = [](const char* name, Value value) {

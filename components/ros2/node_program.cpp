@@ -24,6 +24,7 @@
 #include "service_peer.hpp"
 
 #include <segue/base/file.hpp>
+#include <segue/ros2/parameter_value.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <sys/wait.h>
@@ -145,13 +146,20 @@ Value description_of(const Value& parameter) {
   return Value::map({{"name", *parameter.find("name")}, {"type", *parameter.find("value")->find("type")}});
 }
 
+/// The parameters with their names in ROS 2: "takes.configure".
+Value with_dots(const Value& parameters) {
+  Value flat = Value::map({});
+  if (parameters.is_null()) return flat;
+  for (const Value& one : parameter_messages(parameters))
+    flat.as_map().set(one.find("name")->as_string(), segue::ros2::parameter_from(*one.find("value")));
+  return flat;
+}
+
 /// A managed node as its parameters say.
 class Managed {
  public:
   explicit Managed(const Arguments& node)
-      : name_(node.name),
-        parameters_(node.parameters.is_null() ? Value::map({}) : node.parameters),
-        services_(make_peer_, node.node()) {
+      : name_(node.name), parameters_(with_dots(node.parameters)), services_(make_peer_, node.node()) {
     note_node(node);
     if (const Value* topic = parameters_.find("counts_on"))
       counter_ = std::make_unique<Counter>(make_peer_(), node.node(), topic->as_string(),
@@ -166,12 +174,10 @@ class Managed {
 
  private:
   void enter(int transition) {
-    static constexpr std::array kNames{"", "configure", "cleanup", "activate", "deactivate"};
+    static const std::array<std::string, 5> kNames{"", "configure", "cleanup", "activate", "deactivate"};
     if (counter_ != nullptr && transition == 4) counter_->set_active(false);
-    if (const Value* takes = parameters_.find("takes")) {
-      if (const Value* time = takes->find(kNames.at(static_cast<std::size_t>(transition))))
-        std::this_thread::sleep_for(seconds(*time));
-    }
+    if (const Value* time = parameters_.find("takes." + kNames.at(static_cast<std::size_t>(transition))))
+      std::this_thread::sleep_for(seconds(*time));
     if (counter_ != nullptr && transition == 3) counter_->set_active(true);
     if (transition != 1) return;
     if (parameters_.find("dies_in_configure") != nullptr) ::raise(SIGKILL);

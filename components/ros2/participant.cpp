@@ -268,7 +268,6 @@ bool Participant::sees_node(std::string_view name) const {
 }
 
 segue::Result<dds::Topic*> Participant::use(const TopicName& name) {
-  const segue::Lock lock(topics_mutex_);
   UsedTopic& used = topics_[name.topic];
   if (used.topic != nullptr) {
     if (used.type != name.type) {
@@ -294,7 +293,6 @@ segue::Result<dds::Topic*> Participant::use(const TopicName& name) {
 }
 
 void Participant::leave(const std::string& topic) {
-  const segue::Lock lock(topics_mutex_);
   const auto used = topics_.find(topic);
   if (used == topics_.end() || --used->second.uses > 0) return;
   participant_->delete_topic(used->second.topic);
@@ -304,11 +302,13 @@ void Participant::leave(const std::string& topic) {
 segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_writer(
     const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
     dds::DataWriterListener* listener) {
+  const segue::Lock lock(entities_mutex_);
   auto topic = use(name);
   if (!topic) return topic.error();
   auto* made = publisher_->create_datawriter(*topic, writer_quality(quality, user_data), listener);
   if (made != nullptr) {
     return Owned<dds::DataWriter>(made, [this, topic = name.topic](dds::DataWriter* writer) {
+      const segue::Lock deleting(entities_mutex_);
       publisher_->delete_datawriter(writer);
       leave(topic);
     });
@@ -322,11 +322,13 @@ segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_writer(
 segue::Result<Participant::Owned<dds::DataReader>> Participant::make_reader(
     const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
     dds::DataReaderListener* listener) {
+  const segue::Lock lock(entities_mutex_);
   auto topic = use(name);
   if (!topic) return topic.error();
   auto* made = subscriber_->create_datareader(*topic, reader_quality(quality, user_data), listener);
   if (made != nullptr) {
     return Owned<dds::DataReader>(made, [this, topic = name.topic](dds::DataReader* reader) {
+      const segue::Lock deleting(entities_mutex_);
       subscriber_->delete_datareader(reader);
       leave(topic);
     });

@@ -102,8 +102,8 @@ class Participant final : private dds::DomainParticipantListener,
 
   explicit Participant(const Settings& settings);
   segue::Result<void> start();
-  segue::Result<dds::Topic*> use(const TopicName& name);
-  void leave(const std::string& topic);
+  segue::Result<dds::Topic*> use(const TopicName& name) SEGUE_REQUIRES(entities_mutex_);
+  void leave(const std::string& topic) SEGUE_REQUIRES(entities_mutex_);
   void publish_nodes() SEGUE_REQUIRES(nodes_mutex_);
   void set(segue::ros2::Endpoint endpoint);
   /// Logs that something is not taken, once for each participant, and only so often for all of them.
@@ -132,8 +132,10 @@ class Participant final : private dds::DomainParticipantListener,
       0;  ///< writers, whose identifiers are not known yet
   std::set<Acknowledgement> early_ SEGUE_GUARDED_BY(acknowledged_mutex_);  ///< of them perhaps
   std::set<Acknowledgement> acknowledged_ SEGUE_GUARDED_BY(acknowledged_mutex_);
-  segue::Mutex topics_mutex_;
-  std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(topics_mutex_);
+  /// One thread at a time makes or deletes entities: Fast DDS 2.9 has four places for endpoints that are
+  /// being made or found, and where five threads need one, each may wait for another. No callback takes it.
+  segue::Mutex entities_mutex_;
+  std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(entities_mutex_);
   dds::DomainParticipant* participant_ = nullptr;
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;
