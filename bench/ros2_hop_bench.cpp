@@ -99,7 +99,7 @@ std::unique_ptr<segue::task::Task> ros2_task(const std::string& component, std::
   return task;
 }
 
-const segue::Policy kBuffer{segue::BufferKind::Buffer, 100, segue::Transport::Automatic, false};
+const segue::Policy kBuffer{segue::BufferKind::Buffer, 10, segue::Transport::Automatic, false};
 
 class Sink final : public segue::task::Component {
  public:
