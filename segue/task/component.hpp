@@ -64,9 +64,9 @@ struct ComponentOptions {
   std::string doc{};
   Activity activity = detail::port_driven();  ///< unless the network says otherwise
   std::vector<std::string> claims{};          ///< devices that one configured task at a time may hold
-  std::vector<std::string>
-      trigger_on{};  ///< inputs that trigger a port-driven task unless the network names others; empty: all
+  std::vector<std::string> trigger_on{};   ///< port-driven: inputs that do, unless the network says; else all
   std::vector<std::string> descriptors{};  ///< by name, of trigger_fd(): a network may choose among them
+  bool samples_trigger = false;            ///< of a task driven by descriptors: samples at its inputs do, too
 };
 
 /// A unit of robot software: derive, add ports, properties and operations as members, override hooks, and
@@ -149,13 +149,13 @@ class Component {
   /// Enters Exception, or Fatal (which cannot be left), as soon as the hook returns.
   void exception(std::string_view message);
   void fatal(std::string_view message);
-  /// To a preallocated ring: of 200 bytes at most; lines that find the ring full are lost and counted.
+  /// To a preallocated ring: of 200 bytes; lines that find it full are lost and counted.
   void log(LogLevel level, std::string_view message) const;
   [[nodiscard]] TimePoint now() const;
   [[nodiscard]] const std::string& id() const;
   /// FileDescriptorDriven tasks, in on_start: update whenever `descriptor` is readable. Several may be given;
-  /// stop forgets them. The component keeps ownership and must not close a descriptor before on_stop. Where
-  /// the network says which descriptors drive the task, the others, by their names, are left out.
+  /// stop forgets them. The component owns them and closes none before on_stop. Where the network says which
+  /// descriptors drive the task, the others, by their names, are left out.
   Result<void> trigger_fd(int descriptor, std::string_view name = {});
 
  private:

@@ -228,6 +228,8 @@ Result<void> Task::Implementation::arm() {
           "there is no input port " + quote(port) + " to trigger the task" + did_you_mean(port, names), name);
     }
   }
+  if (activity.trigger == Trigger::FileDescriptorDriven && component->options().samples_trigger)
+    trigger_inputs = component->inputs();
   for (InputPortBase* input : trigger_inputs)
     InputPortAccess::set_listener(*input, this);
   return activity.trigger == Trigger::FileDescriptorDriven ? watch_descriptors() : Result<void>{};

@@ -45,7 +45,7 @@ void Task::Implementation::announce_update() noexcept {
     case Trigger::PortDriven:
       return (reasons & Job::kSample) != 0 || now >= next_timeout();
     case Trigger::FileDescriptorDriven:
-      return (reasons & Job::kDescriptor) != 0 || now >= next_timeout();
+      return (reasons & (Job::kDescriptor | Job::kSample)) != 0 || now >= next_timeout();
   }
   return false;
 }
