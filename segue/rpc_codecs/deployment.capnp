@@ -102,6 +102,7 @@ struct Place {
   hash @5 :UInt64;
   definition @6 :Text;
   port @7 :Text;
+  topic @8 :Text;
 }
 
 struct OriginOutcome {

@@ -111,6 +111,7 @@ void encode(const sample_link::InputPlace& place, wire::Place::Builder builder) 
   builder.setHash(place.hash);
   builder.setDefinition(as_text(place.definition));
   builder.setPort(as_text(place.port));
+  builder.setTopic(as_text(place.topic));
 }
 
 sample_link::InputPlace decode(wire::Place::Reader reader) {
@@ -123,6 +124,7 @@ sample_link::InputPlace decode(wire::Place::Reader reader) {
   place.hash = reader.getHash();
   place.definition = as_string(reader.getDefinition());
   place.port = as_string(reader.getPort());
+  place.topic = as_string(reader.getTopic());
   return place;
 }
 

@@ -77,12 +77,13 @@ model::Connection some_connection() {
 }
 
 sample_link::InputPlace some_place() {
-  return {UINT64_MAX, 2, 3, true, "/Pose", 4, "{x: double}", "b.in"};
+  return {UINT64_MAX, 2, 3, true, "/Pose", 4, "{x: double}", "b.in", "topic /a"};
 }
 
 void expect_same(const sample_link::InputPlace& a, const sample_link::InputPlace& b) {
-  EXPECT_EQ(std::tie(a.reader, a.offset, a.generation, a.any_type, a.type, a.hash, a.definition, a.port),
-            std::tie(b.reader, b.offset, b.generation, b.any_type, b.type, b.hash, b.definition, b.port));
+  EXPECT_EQ(
+      std::tie(a.reader, a.offset, a.generation, a.any_type, a.type, a.hash, a.definition, a.port, a.topic),
+      std::tie(b.reader, b.offset, b.generation, b.any_type, b.type, b.hash, b.definition, b.port, b.topic));
 }
 
 TEST(WireTest, ReportsOfTasksTravelWithTheirTiming) {

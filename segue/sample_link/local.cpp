@@ -215,6 +215,8 @@ Result<std::shared_ptr<PortConnection>> connect(OutputPortBase& from, InputPortB
                                                 const task::CommitGatePtr& gate) {
   if (auto checked = check_policy(policy); !checked) return std::move(checked.error());
   if (auto checked = check_types(from, to); !checked) return std::move(checked.error());
+  if (auto checked = check_topics(from, to.full_name(), to.options().topic); !checked)
+    return std::move(checked.error());
   if (policy.transport != Transport::Automatic && policy.transport != Transport::Local) {
     return fail(ErrorCode::Unsupported, "ports of one process are connected by the local link, not by " +
                                             std::string(to_string(policy.transport)));
@@ -231,6 +233,14 @@ Result<void> check_types(const OutputPortBase& from, const InputPortBase& to) {
                                            "\nbut " + to.full_name() + " reads\n" +
                                            type::definition(*wanted->type) +
                                            "\nconnect ports of one type, or put a converter between them");
+}
+
+Result<void> check_topics(const OutputPortBase& from, std::string_view to, std::string_view topic) {
+  if (topic.empty() || topic != from.options().topic) return {};
+  return fail(ErrorCode::AlreadyExists,
+              from.full_name() + " and " + std::string(to) + " are both " + std::string(topic) +
+                  ", on which the samples travel already: no connection is needed, and with one they would "
+                  "come twice");
 }
 
 Result<void> check_policy(const Policy& policy) {

@@ -342,6 +342,18 @@ TEST_F(Local, TypesThatDifferAreRefusedWithBothDefinitions) {
   EXPECT_THAT(made.error().message, HasSubstr("pixels"));
 }
 
+TEST_F(Local, PortsOfOneTopicAreNotConnected) {
+  const type::TypeInfo& type = type::type_info<int>();
+  task::OutputPortBase out(writer, "out", &type, "", task::PortOptions{.topic = "topic /a"});
+  task::InputPortBase in(reader, "in", &type, "", task::PortOptions{.topic = "topic /a"});
+  task::InputPortBase other(reader, "other", &type, "", task::PortOptions{.topic = "topic /b"});
+  const auto made = connect(out, in, kData);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().code, ErrorCode::AlreadyExists);
+  EXPECT_THAT(made.error().message, HasSubstr("out and in are both topic /a"));
+  EXPECT_TRUE(connect(out, other, kData));
+}
+
 TEST_F(Local, TypeOfSameNameAndOtherStructureIsRefused) {
   const type::TypeInfo& mine = type::type_info<demo::Pose>();
   type::TypeInfo other = mine;

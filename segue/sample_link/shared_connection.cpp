@@ -51,6 +51,7 @@ Result<void> check_samples(const task::PortBase& port) {
 }
 
 Result<void> check_place_type(const InputPlace& place, const task::OutputPortBase& port) {
+  if (auto checked = check_topics(port, place.port, place.topic); !checked) return checked;
   const type::TypeInfo* written = port.type();
   if (place.any_type || written == nullptr) return {};
   if (place.type == written->name() && place.hash == written->hash) return {};

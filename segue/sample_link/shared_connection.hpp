@@ -27,6 +27,7 @@ struct InputPlace {
   std::uint64_t hash = 0;  ///< structural_hash
   std::string definition;  ///< for the message where types do not match
   std::string port;        ///< "task.port"
+  std::string topic{};     ///< PortOptions::topic
 };
 
 /// The writer's side of a connection, as the reader's process needs to know it before opening its endpoint.
@@ -76,8 +77,9 @@ Result<InputEndpoint> open_input(SharedMemory& memory, const OutputOrigin& origi
 /// endpoint may be reused.
 void release_input(SharedMemory& memory, const InputPlace& place);
 
-/// Attaches the writer's endpoint. TypeMismatch shows both definitions. The place is untrusted and checked.
-/// With policy.init the last sample written is sent at once, or with a gate by settle().
+/// Attaches the writer's endpoint. TypeMismatch shows both definitions; AlreadyExists as connect(). The place
+/// is untrusted and checked. With policy.init the last sample written is sent at once, or with a gate by
+/// settle().
 Result<std::shared_ptr<SharedEndpoint>> attach_output(SharedMemory& memory, const InputPlace& place,
                                                       task::OutputPortBase& port, const Policy& policy,
                                                       task::CommitGatePtr gate = nullptr);

@@ -63,6 +63,7 @@ InputPlace SharedInput::place() const {
   place.offset = offset_;
   place.generation = generation_;
   place.port = port_name_;
+  place.topic = port_.options().topic;
   const type::TypeInfo* wanted = port_.type();
   place.any_type = wanted == nullptr;
   if (wanted == nullptr) return place;

@@ -90,6 +90,20 @@ TEST(SharedConnection, ReaderThatKeepsAllStarvesOnlyItself) {
     EXPECT_EQ(*kept[i], Pose(static_cast<int>(i) + 1));
 }
 
+TEST(SharedConnection, PortsOfOneTopicAreRefused) {
+  Pair pair;
+  Component writer;
+  Component reader;
+  const type::TypeInfo& type = type::type_info<Pose>();
+  task::OutputPortBase out(writer, "out", &type, "", task::PortOptions{.topic = "topic /a"});
+  task::InputPortBase in(reader, "in", &type, "", task::PortOptions{.topic = "topic /a"});
+  task::InputPortBase other(reader, "other", &type, "", task::PortOptions{.topic = "topic /b"});
+  const Link refused = pair.connect(out, in, {});
+  EXPECT_EQ(refused.error.code, ErrorCode::AlreadyExists);
+  EXPECT_NE(refused.error.message.find("out and in are both topic /a"), std::string::npos);
+  EXPECT_TRUE(pair.connect(out, other, {}).ok);
+}
+
 TEST(SharedConnection, DuplicatesAndWrongTypesAreRefused) {
   Pair pair;
   Source<Pose> source;

@@ -16,6 +16,9 @@ struct PortOptions {
   /// same, from a port of its own process. Without effect on OutputPort and InputPort, whose samples are
   /// objects.
   bool flat = false;
+  /// Where its samples travel outside of Segue as well ("topic /scan of domain 0"); empty: nowhere. Two ports
+  /// with the same are not connected, since the samples would come twice, or go round.
+  std::string topic{};
 };
 
 }  // namespace segue::task
