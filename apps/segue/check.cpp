@@ -21,6 +21,7 @@
 #include "checked_missions.hpp"
 #include "models.hpp"
 #include "output.hpp"
+#include "ros2_ports.hpp"
 
 namespace segue::cli {
 
@@ -267,8 +268,9 @@ class Checker {
   }
 
   void check(const Parts& parts, Depth depth) {
-    const Diagnostics found = parts.complete ? model::validate(parts.network, catalog_, depth)
-                                             : model::validate_references(parts.network, catalog_, depth);
+    Diagnostics found = parts.complete ? model::validate(parts.network, catalog_, depth)
+                                       : model::validate_references(parts.network, catalog_, depth);
+    if (parts.complete && depth == Depth::Full) check_ros2_ports(parts.network, found);
     diagnostics_.append(found);
     if (!parts.complete || found.has_errors()) return;
     const Diagnostics advice = model::hints(parts.network, catalog_);
