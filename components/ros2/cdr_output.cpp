@@ -5,28 +5,39 @@
 #include <segue/type/cdr_object.hpp>
 
 #include <new>
+#include <utility>
 
 namespace ros2 {
 
 using segue::task::SampleRef;
 
 CdrOutput::CdrOutput(segue::task::Component& component, const std::string& name,
-                     const segue::ros2::MessageCodec& message, const std::string& doc)
+                     const segue::ros2::MessageCodec& message, const std::string& doc,
+                     const std::string& topic)
     : type_(message.info()),
       port_(component, name, &type_, std::string(),
-            segue::task::PortOptions{.dynamic = true, .doc = doc, .flat = true}) {}
+            segue::task::PortOptions{.dynamic = true, .doc = doc, .flat = true, .topic = topic}) {}
 
 CdrOutput::Outcome CdrOutput::publish(std::span<const std::byte> message) noexcept {
+  auto why = Outcome::Lost;
+  SampleRef sample = make(message, why);
+  return sample ? publish(std::move(sample)) : why;
+}
+
+CdrOutput::Outcome CdrOutput::publish(SampleRef sample) noexcept {
+  return port_.publish(sample.detach()) == segue::task::WriteResult::Refused ? Outcome::Refused
+                                                                             : Outcome::Published;
+}
+
+SampleRef CdrOutput::make(std::span<const std::byte> message, Outcome& why) noexcept {
+  why = Outcome::Lost;
   try {
-    auto why = Outcome::Lost;
     SampleRef sample = room_for(message, why);
-    if (!sample) return why;
-    if (!decode(message, *sample.get())) return Outcome::Corrupt;
-    return port_.publish(sample.detach()) == segue::task::WriteResult::Refused ? Outcome::Refused
-                                                                               : Outcome::Published;
+    if (sample && decode(message, *sample.get())) return sample;
+    if (sample) why = Outcome::Corrupt;
   } catch (const std::bad_alloc&) {
-    return Outcome::Lost;
   }
+  return {};
 }
 
 SampleRef CdrOutput::room_for(std::span<const std::byte> message, Outcome& why) {

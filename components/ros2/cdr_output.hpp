@@ -21,14 +21,16 @@ class CdrOutput {
     Lost      ///< there was no memory for it
   };
 
-  /// `message` must outlive this.
+  /// `message` must outlive this. `topic`: PortOptions::topic.
   CdrOutput(segue::task::Component& component, const std::string& name,
-            const segue::ros2::MessageCodec& message, const std::string& doc);
+            const segue::ros2::MessageCodec& message, const std::string& doc, const std::string& topic = {});
   /// Decodes the message, which is untrusted, to where readers find the sample. One thread at a time.
   Outcome publish(std::span<const std::byte> message) noexcept;
+  /// publish() in two steps, between which the sample may be dropped. Empty: `why` says why there is none.
+  segue::task::SampleRef make(std::span<const std::byte> message, Outcome& why) noexcept;
+  Outcome publish(segue::task::SampleRef sample) noexcept;
 
  private:
-  /// Empty where there is none; `why` says why.
   segue::task::SampleRef room_for(std::span<const std::byte> message, Outcome& why);
   bool decode(std::span<const std::byte> message, segue::task::SampleSlot& slot) const;
 

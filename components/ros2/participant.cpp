@@ -230,6 +230,7 @@ segue::Result<void> Participant::start() {
   listens->store(true, std::memory_order_relaxed);
   if (participant_ == nullptr)
     return fail(ErrorCode::Unavailable, "Fast DDS cannot start (" + to_string(settings_) + ")");
+  gid_ = gid_of(participant_->guid());
   publisher_ = participant_->create_publisher(dds::PublisherQos());
   subscriber_ = participant_->create_subscriber(dds::SubscriberQos());
   if (publisher_ == nullptr || subscriber_ == nullptr)
@@ -246,7 +247,7 @@ segue::Result<void> Participant::start() {
   if (!writer) return writer.error();
   const segue::Lock lock(nodes_mutex_);
   nodes_writer_ = std::move(*writer);
-  own_.participant = gid_of(participant_->guid());
+  own_.participant = gid_;
   publish_nodes();
   return {};
 }
@@ -264,7 +265,7 @@ Participant::~Participant() {
 }
 
 bool Participant::sees_node(std::string_view name) const {
-  return graph_.has_node(name, gid_of(participant_->guid()));
+  return graph_.has_node(name, gid_);
 }
 
 segue::Result<dds::Topic*> Participant::use(const TopicName& name) {

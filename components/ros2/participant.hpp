@@ -84,6 +84,7 @@ class Participant final : private dds::DomainParticipantListener,
   [[nodiscard]] bool has_acknowledged(const segue::ros2::Gid& reader, const segue::ros2::Gid& writer) const;
 
   [[nodiscard]] const Settings& settings() const { return settings_; }
+  [[nodiscard]] segue::ros2::Gid gid() const { return gid_; }
   [[nodiscard]] const segue::ros2::NodeGraph& graph() const { return graph_; }
   /// Whether a participant of another process has that node ("/talker").
   [[nodiscard]] bool sees_node(std::string_view name) const;
@@ -137,6 +138,7 @@ class Participant final : private dds::DomainParticipantListener,
   segue::Mutex entities_mutex_;
   std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(entities_mutex_);
   dds::DomainParticipant* participant_ = nullptr;
+  segue::ros2::Gid gid_{};
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;
   std::unique_ptr<DiscoveryReader> discovery_;

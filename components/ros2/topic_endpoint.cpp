@@ -2,120 +2,92 @@
 #include "topic_endpoint.hpp"
 
 #include <segue/base/log.hpp>
-#include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
 
-#include <algorithm>
 #include <utility>
 
 namespace ros2 {
 namespace {
 
-using segue::ErrorCode;
-using segue::fail;
-using segue::quote;
+segue::Result<segue::ros2::Quality> quality_of(const TopicSettings& settings) {
+  auto reliability = segue::ros2::parse_reliability(settings.reliability);
+  if (!reliability) return reliability.error();
+  auto durability = segue::ros2::parse_durability(settings.durability);
+  if (!durability) return durability.error();
+  auto liveliness = segue::ros2::parse_liveliness(settings.liveliness);
+  if (!liveliness) return liveliness.error();
+  if (settings.deadline.count() < 0 || settings.lease.count() < 0)
+    return segue::fail(segue::ErrorCode::InvalidArgument, "deadline and lease must not be negative");
+  if (settings.lifespan.count() < 0)
+    return segue::fail(segue::ErrorCode::InvalidArgument, "lifespan must not be negative");
+  return segue::ros2::Quality{*reliability,      *durability, settings.depth, settings.deadline,
+                              settings.lifespan, *liveliness, settings.lease};
+}
 
 }  // namespace
 
-TopicEndpoint::TopicEndpoint(segue::task::Direction direction, const std::string& port,
-                             const segue::task::ComponentOptions& options)
-    : NodeTask(options) {
-  own_.publishes = direction == segue::task::Direction::Input;
-  dynamic_ports(direction, port, "its type is the property type");
-}
-
-segue::Result<segue::ros2::Quality> TopicEndpoint::wanted_quality() const {
-  auto reliability = segue::ros2::parse_reliability(*reliability_);
-  if (!reliability) return reliability.error();
-  auto durability = segue::ros2::parse_durability(*durability_);
-  if (!durability) return durability.error();
-  auto liveliness = segue::ros2::parse_liveliness(*liveliness_);
-  if (!liveliness) return liveliness.error();
-  if (deadline_->count() < 0 || lease_->count() < 0)
-    return fail(ErrorCode::InvalidArgument, "deadline and lease must not be negative");
-  return segue::ros2::Quality{*reliability, *durability, *depth_, *deadline_, {}, *liveliness, *lease_};
-}
-
-segue::Result<void> TopicEndpoint::open() {
-  auto quality = wanted_quality();
+segue::Result<TopicEndpoint::Facts> TopicEndpoint::check(const TopicSettings& settings, bool publishes,
+                                                         segue::ros2::InterfaceLibrary& library) {
+  auto quality = quality_of(settings);
   if (!quality) return quality.error();
-  auto topic = segue::ros2::dds_topic_name(*topic_text_);
+  auto topic = segue::ros2::dds_topic_name(settings.topic);
   if (!topic) return topic.error();
-  segue::ros2::InterfaceLibrary interfaces = library();
-  auto message = segue::ros2::MessageCodec::of(interfaces, *type_text_);
-  if (!message) return message.error();
-  if (auto joined = join(); !joined) return joined;
-  own_.topic = *topic;
-  own_.type = message->dds_type();
-  own_.type_hash = message->type_hash();
-  codec_ = std::move(*message);
-  own_.quality = *quality;
-  matched_ = 0;
-  missed_ = 0;
-  return {};
+  auto codec = segue::ros2::MessageCodec::of(library, settings.type);
+  if (!codec) return codec.error();
+  segue::ros2::Endpoint own{{}, publishes, *topic, codec->dds_type(), codec->type_hash(), *quality};
+  return Facts{std::move(*codec), std::move(own)};
 }
 
-void TopicEndpoint::watch(const segue::ros2::Gid& endpoint) {
-  if (own_.publishes) {
-    announce({endpoint}, {});
-  } else {
-    announce({}, {endpoint});
-  }
-  {
-    const segue::Lock lock(others_mutex_);
-    shown_ = own_;
-  }
-  participant().watch(this, [this] { check_others(); });
-  check_others();
+TopicEndpoint::TopicEndpoint(std::shared_ptr<Participant> participant, TopicPort port, Facts facts)
+    : participant_(std::move(participant)),
+      port_(std::move(port)),
+      codec_(std::move(facts.codec)),
+      own_(std::move(facts.own)) {}
+
+std::string TopicEndpoint::topic() const {
+  return segue::ros2::topic_of_dds_name(own_.topic);
 }
 
-void TopicEndpoint::stop_watching() {
-  participant().stop_watching(this);
-  withdraw();
-  const segue::Lock lock(others_mutex_);
-  shown_.reset();
-  said_.clear();
+std::string TopicEndpoint::topic_of_port() const {
+  return "topic " + topic() + " of ROS 2 (domain " + std::to_string(participant_->settings().domain) + ")";
+}
+
+void TopicEndpoint::watch() {
+  participant_->watch(this, [this] { changed(); });
+  changed();
 }
 
 void TopicEndpoint::missed(const std::string& what, std::uint32_t times) {
   if (times == 0) return;
   missed_ += times;
-  segue::log(segue::LogLevel::Warning, id(), what + " on " + segue::ros2::topic_of_dds_name(own_.topic));
+  segue::log(segue::LogLevel::Warning, port_.task, what + " on " + topic());
 }
 
-std::vector<segue::ros2::Mismatch> TopicEndpoint::mismatches() const {
-  const auto joined = shared_participant();
-  segue::Lock lock(others_mutex_);
-  const std::optional<segue::ros2::Endpoint> shown = shown_;
-  lock.unlock();
-  if (joined == nullptr || !shown) return {};
-  return joined->graph().mismatches_of(*shown);
+std::vector<segue::ros2::Mismatch> TopicEndpoint::find_mismatches() const {
+  return participant_->graph().mismatches_of(own_);
 }
 
-std::vector<std::string> TopicEndpoint::mismatch_texts() const {
+std::vector<std::string> TopicEndpoint::mismatches() const {
   std::vector<std::string> texts;
-  for (segue::ros2::Mismatch& one : mismatches())
+  for (segue::ros2::Mismatch& one : find_mismatches())
     texts.push_back(std::move(one.text));
   return texts;
 }
 
-std::uint32_t TopicEndpoint::mismatched() const {
-  return static_cast<std::uint32_t>(mismatches().size());
-}
-
-void TopicEndpoint::check_others() {
+void TopicEndpoint::changed() {
   constexpr std::size_t kMostSaid = 20;  // somebody may bring a thousand
   std::vector<std::string> found;
-  for (segue::ros2::Mismatch& one : mismatches()) {
+  for (segue::ros2::Mismatch& one : find_mismatches()) {
     if (one.is_named) found.push_back(std::move(one.text));
   }
-  const segue::Lock lock(others_mutex_);
+  const segue::Lock lock(said_mutex_);
   if (found.empty()) said_.clear();
   for (const std::string& one : found) {
     if (said_.size() >= kMostSaid || !said_.insert(one).second) continue;
-    segue::log(segue::LogLevel::Warning, id(), one);
+    segue::log(segue::LogLevel::Warning, port_.task, one);
     if (said_.size() == kMostSaid)
-      segue::log(segue::LogLevel::Warning, id(), "others do not fit, too: the operation mismatches has them");
+      segue::log(segue::LogLevel::Warning, port_.task,
+                 "others do not fit, too: the operation mismatches has them");
   }
 }
 

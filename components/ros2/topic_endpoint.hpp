@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "node_task.hpp"
+#include "participant.hpp"
 #include "types.hpp"
 
 #include <segue/base/mutex.hpp>
@@ -10,32 +10,64 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
-/// Topics of ROS 2 as tasks: a Subscription has an output port, a Publisher an input port.
 namespace ros2 {
 
-/// The base of Publisher and Subscription.
-class TopicEndpoint : public NodeTask {
+/// A port of a task that is a topic of ROS 2.
+struct TopicPort {
+  segue::task::Component& component;
+  std::string task;  ///< its id, for log lines
+  std::string name;
+  std::string doc{};
+  /// Of an output: the node whose samples it carries ("/robot/lidar"); empty: those of all.
+  std::string node{};
+};
+
+/// The base of TopicReader and TopicWriter: a topic with its type and quality, and whose endpoints fit. Any
+/// thread.
+class TopicEndpoint {
+ public:
+  TopicEndpoint(const TopicEndpoint&) = delete;
+  TopicEndpoint& operator=(const TopicEndpoint&) = delete;
+
+  [[nodiscard]] const std::string& port() const { return port_.name; }
+  /// "/scan"
+  [[nodiscard]] std::string topic() const;
+  /// Why no samples travel to or from others that have the topic.
+  [[nodiscard]] std::vector<std::string> mismatches() const;
+
  protected:
-  /// `direction` of the one dynamic port, named `port`.
-  TopicEndpoint(segue::task::Direction direction, const std::string& port,
-                const segue::task::ComponentOptions& options);
+  /// The settings, checked. InvalidArgument, or as MessageCodec::of().
+  struct Facts {
+    segue::ros2::MessageCodec codec;
+    segue::ros2::Endpoint own;
+  };
+  static segue::Result<Facts> check(const TopicSettings& settings, bool publishes,
+                                    segue::ros2::InterfaceLibrary& library);
 
-  /// Reads the properties and joins ROS 2. Enters Exception where Fast DDS cannot start.
-  segue::Result<void> open();
-  /// Tells others of the endpoint, and watches for those that do not match.
-  void watch(const segue::ros2::Gid& endpoint);
-  void stop_watching();
+  TopicEndpoint(std::shared_ptr<Participant> participant, TopicPort port, Facts facts);
+  ~TopicEndpoint() = default;
 
-  [[nodiscard]] const segue::ros2::MessageCodec& codec() const { return *codec_; }
+  /// Has changed() called for changes of the graph, and once now.
+  void watch();
+  /// To be called first by destructors of derived classes.
+  void stop_watching() { participant_->stop_watching(this); }
+  /// The graph has changed: logs each mismatch that is new and has its name, up to a bound. In threads of
+  /// Fast DDS.
+  virtual void changed();
+
+  [[nodiscard]] Participant& participant() const { return *participant_; }
+  [[nodiscard]] const TopicPort& port_facts() const { return port_; }
+  [[nodiscard]] const segue::ros2::MessageCodec& codec() const { return codec_; }
   [[nodiscard]] const segue::ros2::Quality& quality() const { return own_.quality; }
   [[nodiscard]] TopicName topic_name() const { return {own_.topic, own_.type}; }
+  /// PortOptions::topic
+  [[nodiscard]] std::string topic_of_port() const;
   /// Of the endpoint: the hash of its type.
   [[nodiscard]] std::string user_data() const { return "typehash=" + own_.type_hash + ";"; }
   void set_matched(std::int32_t count) { matched_ = static_cast<std::uint32_t>(std::max(count, 0)); }
@@ -43,46 +75,18 @@ class TopicEndpoint : public NodeTask {
   /// Counts and logs that a deadline was missed or that liveliness was lost. In threads of Fast DDS.
   void missed(const std::string& what, std::uint32_t times);
   [[nodiscard]] std::uint64_t missed() const { return missed_; }
-  /// How many endpoints of others have the topic but get nothing from this one, or the reverse.
-  [[nodiscard]] std::uint32_t mismatched() const;
+  /// Those of mismatches_of() of the graph, and what a derived class knows.
+  [[nodiscard]] virtual std::vector<segue::ros2::Mismatch> find_mismatches() const;
 
  private:
-  segue::Result<segue::ros2::Quality> wanted_quality() const;
-  std::vector<segue::ros2::Mismatch> mismatches() const;
-  std::vector<std::string> mismatch_texts() const;
-  /// Logs each mismatch that is new and has its name, up to a bound. In threads of Fast DDS.
-  void check_others();
-
-  segue::task::Property<std::string> topic_text_{*this, "topic", {}, {.doc = "name of the topic: /scan"}};
-  segue::task::Property<std::string> type_text_{
-      *this, "type", {}, {.doc = "its interface: sensor_msgs/msg/LaserScan"}};
-  segue::task::Property<std::string> reliability_{
-      *this, "reliability", "reliable", {.doc = "reliable or best_effort"}};
-  segue::task::Property<std::string> durability_{
-      *this, "durability", "volatile", {.doc = "volatile or transient_local"}};
-  segue::task::Property<std::uint32_t> depth_{
-      *this, "depth", 10, {.doc = "how many samples are kept; 0: all"}};
-  segue::task::Property<std::chrono::nanoseconds> deadline_{
-      *this, "deadline", {}, {.doc = "the longest time between two samples; 0: any"}};
-  segue::task::Property<std::string> liveliness_{
-      *this, "liveliness", "automatic", {.doc = "automatic or manual_by_topic"}};
-  segue::task::Property<std::chrono::nanoseconds> lease_{
-      *this, "lease", {}, {.doc = "the longest time without a sign of life; 0: any"}};
-  segue::task::Operation<std::vector<std::string>()> mismatches_{
-      *this,
-      "mismatches",
-      {},
-      [this] { return mismatch_texts(); },
-      segue::task::RunsIn::CallerThread,
-      "why no samples travel to or from others that have the topic"};
-
+  const std::shared_ptr<Participant> participant_;
+  const TopicPort port_;
+  const segue::ros2::MessageCodec codec_;
+  const segue::ros2::Endpoint own_;
   std::atomic<std::uint32_t> matched_{0};
   std::atomic<std::uint64_t> missed_{0};
-  std::optional<segue::ros2::MessageCodec> codec_;
-  segue::ros2::Endpoint own_;  ///< changed only while there is no endpoint
-  mutable segue::Mutex others_mutex_;
-  std::optional<segue::ros2::Endpoint> shown_ SEGUE_GUARDED_BY(others_mutex_);  ///< own_, for other threads
-  std::set<std::string> said_ SEGUE_GUARDED_BY(others_mutex_);  ///< since nothing was there to be said
+  segue::Mutex said_mutex_;
+  std::set<std::string> said_ SEGUE_GUARDED_BY(said_mutex_);  ///< since nothing was there to be said
 };
 
 }  // namespace ros2

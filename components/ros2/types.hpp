@@ -3,6 +3,7 @@
 
 #include <segue/type/describe.hpp>
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,6 +29,21 @@ struct ProcessSettings {
 SEGUE_TYPE(ProcessSettings, installation, package, executable, component, container, container_program,
            remappings, arguments)
 
+/// A topic and the quality of service with which this side publishes it or subscribes to it.
+struct TopicSettings {
+  std::string topic;  ///< "/scan"
+  std::string type;   ///< its interface: "sensor_msgs/msg/LaserScan"
+  std::string reliability = "reliable";
+  std::string durability = "volatile";
+  std::uint32_t depth = 10;
+  std::chrono::nanoseconds deadline{0};
+  std::chrono::nanoseconds lifespan{0};  ///< of a publisher
+  std::string liveliness = "automatic";
+  std::chrono::nanoseconds lease{0};
+};
+
+SEGUE_TYPE(TopicSettings, topic, type, reliability, durability, depth, deadline, lifespan, liveliness, lease)
+
 /// All counted since the task was configured.
 struct PublisherStatistics {
   std::uint64_t sent = 0;  ///< samples that Fast DDS took
@@ -46,10 +62,30 @@ struct SubscriptionStatistics {
   std::uint64_t refused = 0;     ///< of those received: a connection of `out` had no room
   std::uint64_t lost = 0;        ///< samples that were overwritten before they arrived, as Fast DDS tells
   std::uint64_t corrupt = 0;     ///< messages that are not samples of the type
+  std::uint64_t foreign = 0;     ///< samples that are not of the node whose port this is
   std::uint64_t bytes = 0;       ///< of those received, as CDR
   std::uint64_t missed = 0;      ///< deadlines that were missed, and losses of liveliness
   std::uint32_t matched = 0;     ///< publishers now
   std::uint32_t mismatched = 0;  ///< publishers now that have the topic but from which nothing comes
+};
+
+/// A port of a node's task that carries what the node publishes.
+struct PublishedStatistics {
+  std::string port;
+  std::string topic;
+  SubscriptionStatistics counts;
+};
+
+/// A port of a node's task that carries what the node subscribes to.
+struct SubscribedStatistics {
+  std::string port;
+  std::string topic;
+  PublisherStatistics counts;
+};
+
+struct NodeStatistics {
+  std::vector<PublishedStatistics> publishes;
+  std::vector<SubscribedStatistics> subscribes;
 };
 
 /// All counted since the task was configured.
@@ -75,8 +111,11 @@ struct ServerStatistics {
 };
 
 SEGUE_TYPE(PublisherStatistics, sent, refused, bytes, missed, matched, mismatched)
-SEGUE_TYPE(SubscriptionStatistics, received, early, refused, lost, corrupt, bytes, missed, matched,
+SEGUE_TYPE(SubscriptionStatistics, received, early, refused, lost, corrupt, foreign, bytes, missed, matched,
            mismatched)
+SEGUE_TYPE(PublishedStatistics, port, topic, counts)
+SEGUE_TYPE(SubscribedStatistics, port, topic, counts)
+SEGUE_TYPE(NodeStatistics, publishes, subscribes)
 SEGUE_TYPE(ServerStatistics, requests, responses, refused, corrupt, unsent, unanswered, unasked, early,
            waiting, clients)
 SEGUE_TYPE(ActionStatistics, goals, feedback, corrupt, servers)
