@@ -105,8 +105,26 @@ void LifecycleClient::cancel() {
 
 segue::Result<NodeState> LifecycleClient::state(segue::TimePoint deadline) {
   auto response = get_state_->call(Value(), deadline);
-  if (!response) return response.error();
-  const auto number = response->find("current_state")->find("id")->as_int();
+  return response ? state_in(*response) : response.error();
+}
+
+void LifecycleClient::forget() {
+  get_state_->allow(false);
+  get_state_->allow(true);
+}
+
+void LifecycleClient::ask(std::function<void(NodeState)> told) {
+  forget();
+  const auto answer = [this, told = std::move(told)](const segue::Result<Value>& response) {
+    if (!response) return;
+    if (const auto state = state_in(*response)) told(*state);
+  };
+  // A server that has left meanwhile is seen to be missing elsewhere.
+  static_cast<void>(get_state_->begin(Value(), segue::TimePoint(), answer));
+}
+
+segue::Result<NodeState> LifecycleClient::state_in(const Value& response) const {
+  const auto number = response.find("current_state")->find("id")->as_int();
   constexpr std::array<std::int64_t, 10> kKnown = {1, 2, 3, 4, 10, 11, 12, 13, 14, 15};
   if (std::ranges::find(kKnown, number) != kKnown.end()) return static_cast<NodeState>(number);
   return fail(ErrorCode::InvalidState, "node " + node_ + " says that its state is number " +

@@ -6,6 +6,7 @@
 #include <segue/base/result.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -40,6 +41,10 @@ class LifecycleClient {
 
   /// The state that the node says it has.
   segue::Result<NodeState> state(segue::TimePoint deadline);
+  /// Asks for it without waiting: `told` is called in a thread of Fast DDS if the node answers before it is
+  /// asked again or forget() is called. Not during drive().
+  void ask(std::function<void(NodeState)> told);
+  void forget();
   /// Takes the node from whatever state it is in to Unconfigured, Inactive or Active, by as many transitions
   /// as that needs. The true state is read before each of them and at the end, so a response that is lost,
   /// late or wrong does no harm. InvalidState: the node refuses a transition or fails in it, says that it did
@@ -63,6 +68,7 @@ class LifecycleClient {
  private:
   LifecycleClient() = default;
   [[nodiscard]] segue::Error there_twice() const;
+  [[nodiscard]] segue::Result<NodeState> state_in(const segue::type::Value& response) const;
   /// Not that of a transition, but at the deadline.
   segue::Result<NodeState> settled_state(segue::TimePoint deadline);
   /// One transition on the way; whether it was done is read from the state.

@@ -4,15 +4,12 @@
 
 #include <segue/base/text.hpp>
 
-#include <chrono>
+#include <atomic>
 #include <memory>
 
 namespace ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
-
-/// How long a running node has for saying its state.
-constexpr std::chrono::seconds kAnswersWithin{1};
 
 /// A managed node of ROS 2 as a task: configure starts its process where that is wanted, sets its parameters
 /// and configures it, start activates, stop deactivates, and cleanup cleans up and ends what was started. A
@@ -32,8 +29,18 @@ class ManagedNode final : public NodeProxy {
   }
 
   segue::Result<void> on_start() override {
-    if (auto active = drive(NodeState::Active, deadline()); !active) return active;
-    return trigger_looks();
+    const segue::TimePoint end = deadline();
+    client_->forget();
+    told_ = NodeState::Unknown;
+    open_ports();
+    auto done = drive(NodeState::Active, end);
+    if (done) {
+      done = finish_start(end);
+      // It acts already, and is to act no longer than the task runs.
+      if (!done) static_cast<void>(drive(NodeState::Inactive, deadline()));
+    }
+    if (!done) close_ports();
+    return done;
   }
 
   void on_update() override {
@@ -47,12 +54,13 @@ class ManagedNode final : public NodeProxy {
   }
 
   void on_stop() override {
+    close_ports();
     if (auto done = drive(NodeState::Inactive, deadline()); !done)
       exception("the node cannot be deactivated: " + segue::to_string(done.error()));
   }
 
   void on_cleanup() override {
-    if (end_of_process().empty()) {
+    if (client_ != nullptr && end_of_process().empty()) {
       if (auto done = drive(NodeState::Unconfigured, deadline()); !done)
         log(segue::LogLevel::Warning, "the node cannot be cleaned up: " + segue::to_string(done.error()));
     }
@@ -60,13 +68,20 @@ class ManagedNode final : public NodeProxy {
   }
 
  private:
-  /// Whether the node says that it is active. Another state is an exception; no answer is none.
+  /// Whether the node has said that it is active. Another state is an exception. Where it has said nothing,
+  /// it is asked, and brings about the next update; samples do not wait for that.
   bool check_active() {
-    const auto state = client_->state(segue::monotonic_now() + kAnswersWithin);
-    if (!state) return false;
-    if (*state == NodeState::Active && !client_->is_there_twice()) return true;
+    const NodeState state = told_.exchange(NodeState::Unknown);
+    if (state == NodeState::Unknown) {
+      client_->ask([this](NodeState told) {
+        told_ = told;
+        look_now();
+      });
+      return false;
+    }
+    if (state == NodeState::Active && !client_->is_there_twice()) return true;
     const auto inactive = segue::fail(segue::ErrorCode::InvalidState,
-                                      "the node is " + std::string(to_string(*state)) + ", not active");
+                                      "the node is " + std::string(to_string(state)) + ", not active");
     exception(client_->there_twice_or(inactive).message);
     return false;
   }
@@ -94,12 +109,11 @@ class ManagedNode final : public NodeProxy {
   }
 
   void let_go() {
-    if (client_ != nullptr) withdraw();
     client_.reset();
-    finish_node();
-    leave();
+    leave_all();
   }
 
+  std::atomic<NodeState> told_{NodeState::Unknown};  ///< by the node, and not looked at yet
   std::unique_ptr<LifecycleClient> client_;
 };
 

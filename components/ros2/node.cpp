@@ -22,16 +22,18 @@ class Node final : public NodeProxy {
  protected:
   segue::Result<void> on_configure() override {
     if (auto joined = join_checked(); !joined) return joined;
-    auto done = begin(!starts_node() || *ahead_);
-    if (!done) let_go();
+    auto done = begin(!starts_node() || *ahead_, deadline());
+    if (!done) leave_all();
     return done;
   }
 
   segue::Result<void> on_start() override {
-    auto done = begin(starts_node() && !*ahead_);
-    if (done) done = wait_until_seen(deadline());
-    if (done) done = trigger_looks();
-    if (!done && !*ahead_) finish_node();
+    const segue::TimePoint end = deadline();
+    open_ports();
+    auto done = begin(starts_node() && !*ahead_, end);
+    if (done) done = wait_until_seen(end);
+    if (done) done = finish_start(end);
+    if (!done) on_stop();
     return done;
   }
 
@@ -44,18 +46,18 @@ class Node final : public NodeProxy {
   }
 
   void on_stop() override {
+    close_ports();
     if (!*ahead_) finish_node();
   }
 
-  void on_cleanup() override { let_go(); }
+  void on_cleanup() override { leave_all(); }
 
  private:
   [[nodiscard]] bool is_seen() const { return shared_participant()->sees_node(node()); }
 
   /// Starts the node, or finds it and sets its parameters, where this is the time for it.
-  segue::Result<void> begin(bool is_time) {
+  segue::Result<void> begin(bool is_time, segue::TimePoint end) {
     if (!is_time) return {};
-    const segue::TimePoint end = deadline();
     if (auto started = start_node(end); !started) return started;
     announce_requesters({});
     if (auto seen = wait_until_seen(end); !seen) return seen;
@@ -73,12 +75,6 @@ class Node final : public NodeProxy {
       return cause_of(segue::fail(segue::ErrorCode::Unavailable, "node " + node() + " is not seen"));
     }
     return {};
-  }
-
-  void let_go() {
-    withdraw();
-    finish_node();
-    leave();
   }
 
   Property<bool> ahead_{

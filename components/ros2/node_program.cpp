@@ -3,6 +3,11 @@
 //
 // talker: a node without a life cycle.
 //
+// counter: one that publishes the texts "0", "1" and so on on the topic numbers, from when somebody listens.
+//
+// listener: one that subscribes to the topic words and notes in NAME.heard how many such texts have come, and
+// how often one did not follow the one before.
+//
 // fails: ends with exit status 3 before it is a node.
 //
 // stubborn: ignores SIGINT and SIGTERM, and has a child in a session of its own.
@@ -224,6 +229,68 @@ int be_stubborn(const Arguments& node) {
     ::pause();
 }
 
+/// The topic of that name, which may be remapped.
+TopicOf text_topic(const Arguments& node, const std::string& name) {
+  TopicOf topic{"/" + name, "std_msgs/msg/String"};
+  topic.quality.depth = 10'000;
+  const std::string rule = "\n" + name + ":=";
+  if (const auto found = node.text.find(rule); found != std::string::npos) {
+    const auto begin = found + rule.size();
+    topic.topic = node.text.substr(begin, node.text.find('\n', begin) - begin);
+  }
+  return topic;
+}
+
+/// Whether SIGINT comes within a millisecond.
+bool is_asked_to_end() {
+  const timespec pause{0, 1'000'000};
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  ::sigaddset(&signals, SIGINT);
+  return ::sigtimedwait(&signals, nullptr, &pause) == SIGINT;
+}
+
+segue::ros2::MessageCodec text_codec() {
+  segue::ros2::InterfaceLibrary library;
+  return segue::ros2::MessageCodec::of(library, "std_msgs/msg/String").value();
+}
+
+int count(const Arguments& node) {
+  const auto peer = make_fast_peer(domain());
+  const auto codec = text_codec();
+  peer->advertise(text_topic(node, "numbers"));
+  peer->announce(node.name);
+  note_node(node);
+  for (int next = 0; !is_asked_to_end();) {
+    if (peer->subscriptions() > 0)
+      peer->publish(codec.encode(Value::map({{"data", std::to_string(next++)}}), "").value());
+  }
+  return 0;
+}
+
+int listen(const Arguments& node) {
+  const auto peer = make_fast_peer(domain());
+  const auto codec = text_codec();
+  peer->subscribe(text_topic(node, "words"));
+  peer->announce(node.name);
+  note_node(node);
+  int last = -1;
+  int heard = 0;
+  int gaps = 0;
+  while (!is_asked_to_end()) {
+    const auto messages = peer->take();
+    for (const Bytes& message : messages) {
+      const int number = std::stoi(codec.decode(message).value().find("data")->as_string());
+      if (last >= 0 && number != last + 1) ++gaps;
+      last = number;
+      ++heard;
+    }
+    if (!messages.empty())
+      note(node.name + ".heard", std::to_string(heard) + " heard, " + std::to_string(gaps) + " gaps");
+  }
+  return 0;
+}
+
 /// A container of ROS 2 (composition_interfaces).
 class Container {
  public:
@@ -277,13 +344,8 @@ class Container {
 int contain(const Arguments& node) {
   Container container(node.node());
   note_node(node);
-  for (;; container.answer()) {
-    const timespec pause{0, 1'000'000};
-    sigset_t signals;
-    ::sigemptyset(&signals);
-    ::sigaddset(&signals, SIGINT);
-    if (::sigtimedwait(&signals, nullptr, &pause) == SIGINT) break;
-  }
+  while (!is_asked_to_end())
+    container.answer();
   note(node.name + ".end", "by SIGINT");
   return 0;
 }
@@ -298,6 +360,8 @@ int run(const std::string& program, const Arguments& node) {
   ::sigaddset(&signals, SIGINT);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   if (program == "talker") return talk(node);
+  if (program == "counter") return count(node);
+  if (program == "listener") return listen(node);
   if (program == "component_container_isolated") return contain(node);
   const Managed managed(node);
   wait_for_end();

@@ -4,6 +4,7 @@
 #include <segue/base/error.hpp>
 #include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
+#include <segue/ros2/node_topics.hpp>
 #include <segue/ros2/parameter_value.hpp>
 
 #include <sys/timerfd.h>
@@ -22,6 +23,9 @@ using segue::type::Value;
 
 namespace {
 
+/// Names of ports as read_topics() permits them.
+constexpr const char* kPortPattern = "[A-Za-z0-9_][A-Za-z0-9_.:-]*";
+
 bool is_empty(const Value& parameters) {
   return parameters.is_map() && parameters.as_map().empty();
 }
@@ -29,7 +33,35 @@ bool is_empty(const Value& parameters) {
 }  // namespace
 
 NodeProxy::NodeProxy(std::string doc)
-    : NodeTask({.doc = std::move(doc), .activity = segue::fd_driven(), .descriptors = {"timer", "process"}}) {
+    : NodeTask({.doc = std::move(doc),
+                .activity = segue::fd_driven(),
+                .descriptors = {"timer", "process"},
+                .samples_trigger = true}) {
+  dynamic_ports(segue::task::Direction::Output, kPortPattern, "those of publishes, with the topic's type");
+  dynamic_ports(segue::task::Direction::Input, kPortPattern, "those of subscribes, with the topic's type");
+}
+
+Result<void> NodeProxy::check_topics(const Value& topics, std::string_view path) {
+  auto read = read_topics(topics, path);
+  return read ? Result<void>() : read.error();
+}
+
+Result<TopicPorts::Wanted> NodeProxy::wanted_ports() const {
+  TopicPorts::Wanted wanted{{}, {}, *ready_};
+  for (const auto& [property, topics] :
+       {std::pair{&publishes_, &wanted.publishes}, {&subscribes_, &wanted.subscribes}}) {
+    auto read = read_topics(property->value(), property->name());
+    if (!read) return read.error();
+    *topics = std::move(*read);
+    for (auto& [port, settings] : *topics) {
+      auto topic = segue::ros2::resolve_topic(settings.topic, *name_, process_->remappings);
+      if (!topic)
+        return fail(ErrorCode::InvalidArgument, property->name() + "." + port + ": " + topic.error().message);
+      settings.topic = std::move(*topic);
+    }
+  }
+  if (auto checked = TopicPorts::check(wanted); !checked) return checked.error();
+  return wanted;
 }
 
 Result<void> NodeProxy::join_checked() {
@@ -43,7 +75,27 @@ Result<void> NodeProxy::join_checked() {
   if (auto checked = check(*process_); !checked) return checked;
   if (auto request = segue::ros2::parameters_request(parameters_.value(), "parameters"); !request)
     return request.error();
-  return join("segue_");  // beside the node, which may have the name of the task
+  const auto ports = wanted_ports();
+  if (!ports) return ports.error();
+  timer_ = segue::Descriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
+  if (!timer_.valid()) return segue::system_error("cannot make a timer", errno);
+  if (auto joined = join("segue_"); !joined)
+    return joined;  // beside the node, which may be named as the task
+  auto interfaces = library();
+  auto opened = ports_.open(*this, id(), *name_, shared_participant(), interfaces, *ports);
+  if (opened) {
+    announce_requesters({});
+  } else {
+    leave();
+  }
+  return opened;
+}
+
+void NodeProxy::leave_all() {
+  withdraw();
+  finish_node();
+  ports_.close();
+  leave();
 }
 
 Result<void> NodeProxy::start_node(segue::TimePoint deadline) {
@@ -101,30 +153,41 @@ segue::Error NodeProxy::cause_of(segue::Error failure) const {
               "the process of node " + *name_ + " " + end + "; its output is in the log of this process");
 }
 
+Result<void> NodeProxy::finish_start(segue::TimePoint deadline) {
+  auto ready = ports_.await_samples(deadline, [this] { return !end_of_process().empty(); });
+  if (!ready) return cause_of(std::move(ready.error()));
+  return trigger_looks();
+}
+
 Result<void> NodeProxy::trigger_looks() {
-  timer_ = segue::Descriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
   const itimerspec every_second = {{1, 0}, {1, 0}};
-  if (!timer_.valid() || ::timerfd_settime(timer_.get(), 0, &every_second, nullptr) != 0)
-    return segue::system_error("cannot make a timer", errno);
+  if (::timerfd_settime(timer_.get(), 0, &every_second, nullptr) != 0)
+    return segue::system_error("cannot set a timer", errno);
   if (auto done = trigger_fd(timer_.get(), "timer"); !done) return done;
   return started_ && started_->descriptor() >= 0 ? trigger_fd(started_->descriptor(), "process")
                                                  : Result<void>();
 }
 
+void NodeProxy::look_now() const {
+  const itimerspec now = {{1, 0}, {0, 1}};
+  ::timerfd_settime(timer_.get(), 0, &now, nullptr);
+}
+
 bool NodeProxy::look() {
-  std::uint64_t expired = 0;
-  (void)!::read(timer_.get(), &expired, sizeof expired);
+  ports_.send();
   const std::string end = end_of_process();
-  if (end.empty()) return true;
-  exception("the process of node " + *name_ + " " + end);
-  return false;
+  if (!end.empty()) {
+    exception("the process of node " + *name_ + " " + end);
+    return false;
+  }
+  std::uint64_t expired = 0;
+  return ::read(timer_.get(), &expired, sizeof expired) == sizeof expired;
 }
 
 void NodeProxy::announce_requesters(std::vector<const Requester*> requesters) {
   requesters_ = requesters;
   if (parameter_client_) requesters.push_back(&parameter_client_->requester());
-  std::vector<segue::ros2::Gid> publishers;
-  std::vector<segue::ros2::Gid> subscriptions;
+  auto [publishers, subscriptions] = ports_.gids();
   for (const Requester* requester : requesters) {
     publishers.push_back(requester->publisher());
     subscriptions.push_back(requester->subscription());

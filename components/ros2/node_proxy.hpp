@@ -4,6 +4,7 @@
 #include "node_task.hpp"
 #include "parameter_client.hpp"
 #include "started_node.hpp"
+#include "topic_ports.hpp"
 #include "types.hpp"
 
 #include <segue/task/sub_state.hpp>
@@ -11,18 +12,21 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ros2 {
 
-/// A task that stands for a node of ROS 2, which runs already or which the task starts. While it runs it is
-/// updated every second, and when the node's process ends.
+/// A task that stands for a node of ROS 2, which runs already or which the task starts. Topics of the node
+/// are ports of the task. While it runs it is updated every second, when the node's process ends, and for
+/// samples at its inputs.
 class NodeProxy : public NodeTask {
  protected:
   explicit NodeProxy(std::string doc);
 
-  /// Refuses wrong properties, and joins ROS 2. The error of join().
+  /// Refuses wrong properties, joins ROS 2, and makes the ports. The error of join(); leave_all() undoes it.
   segue::Result<void> join_checked();
+  void leave_all();
   /// Until the destructor of what it returns, `ended` is called in another thread where the node's process
   /// ends.
   class Watch;
@@ -35,10 +39,17 @@ class NodeProxy : public NodeTask {
   /// In place of a failure that comes of it: how the node's process has ended.
   [[nodiscard]] segue::Error cause_of(segue::Error failure) const;
 
-  /// In on_start: the timer, and the end of the node's process, trigger updates.
-  segue::Result<void> trigger_looks();
-  /// In on_update and on_error: whether to go on. Enters Exception where the node's process has ended.
+  /// In on_start, before the node acts: from here on its samples go out; close_ports() ends that.
+  void open_ports() { ports_.start(); }
+  void close_ports() { ports_.stop(); }
+  /// In on_start, when the node acts: waits until it is ready, where a property says when that is. Then the
+  /// timer, and the end of the node's process, trigger updates.
+  segue::Result<void> finish_start(segue::TimePoint deadline);
+  /// In on_update and on_error: sends what the node subscribes to, and tells whether a second has passed.
+  /// Enters Exception where the node's process has ended.
   bool look();
+  /// Any thread: makes look() say that a second has passed.
+  void look_now() const;
 
   [[nodiscard]] bool starts_node() const { return !process_->is_empty(); }
   /// Empty while it runs, and where it was not started here.
@@ -46,15 +57,19 @@ class NodeProxy : public NodeTask {
   [[nodiscard]] StartedNode* started() { return started_.get(); }
   [[nodiscard]] const std::string& node() const { return *name_; }
   [[nodiscard]] segue::TimePoint deadline() const { return segue::Deadline(*timeout_); }
-  /// Tells others that the endpoints of these requesters, and those for parameters, are those of this task.
+  /// Tells others that the endpoints of these requesters, those for parameters, and those of ports are those
+  /// of this task.
   void announce_requesters(std::vector<const Requester*> requesters);
 
   segue::task::ErrorState unseen_{*this, "unseen"};
 
  private:
+  static segue::Result<void> check_topics(const segue::type::Value& topics, std::string_view path);
   segue::Result<void> make_parameter_client();
   segue::Result<void> request_parameters(const segue::type::Value& parameters, segue::TimePoint deadline);
   segue::Result<void> set_live(const segue::type::Value& parameters);
+  [[nodiscard]] segue::Result<TopicPorts::Wanted> wanted_ports() const;
+  segue::Result<void> trigger_looks();
 
   segue::task::Property<std::string> name_{*this, "name", {}, {.doc = "name of the node: /robot/talker"}};
   segue::task::Property<ProcessSettings> process_{
@@ -72,6 +87,36 @@ class NodeProxy : public NodeTask {
        .on_live_set = [this](const segue::type::Value& value) { return set_live(value); }}};
   segue::task::Property<std::chrono::nanoseconds> timeout_{
       *this, "timeout", std::chrono::seconds(10), {.doc = "the longest time for each change of its state"}};
+  segue::task::DynamicProperty publishes_{
+      *this,
+      "publishes",
+      "",
+      segue::type::Value::map({}),
+      {.doc = "topics of the node as outputs, by names of ports: {scan: sensor_msgs/msg/LaserScan}"},
+      check_topics};
+  segue::task::DynamicProperty subscribes_{
+      *this,
+      "subscribes",
+      "",
+      segue::type::Value::map({}),
+      {.doc = "topics of the node as inputs: {cmd: {topic: /cmd_vel, type: geometry_msgs/msg/Twist}}"},
+      check_topics};
+  segue::task::Property<std::vector<std::string>> ready_{
+      *this, "ready", {}, {.doc = "ports of publishes: start is complete when each has had a sample"}};
+  segue::task::Operation<NodeStatistics()> statistics_{*this,
+                                                       "statistics",
+                                                       {},
+                                                       [this] { return ports_.statistics(); },
+                                                       segue::task::RunsIn::TaskThread,
+                                                       "what has passed the ports so far"};
+  segue::task::Operation<std::vector<std::string>()> mismatches_{
+      *this,
+      "mismatches",
+      {},
+      [this] { return ports_.mismatches(); },
+      segue::task::RunsIn::TaskThread,
+      "why no samples travel between ports and the node"};
+  TopicPorts ports_;
   std::unique_ptr<StartedNode> started_;
   std::unique_ptr<ParameterClient> parameter_client_;
   std::vector<const Requester*> requesters_;  ///< of the node's services, beside those for parameters

@@ -69,7 +69,8 @@ void NodeTask::announce(std::vector<segue::ros2::Gid> publishers,
 }
 
 void NodeTask::withdraw() {
-  participant_->withdraw(node_);
+  // Where Fast DDS could not start, cleanup follows all the same.
+  if (participant_ != nullptr) participant_->withdraw(node_);
 }
 
 void NodeTask::leave() {

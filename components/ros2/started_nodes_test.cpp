@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace ros2::testing {
@@ -78,7 +79,7 @@ TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
   ASSERT_EQ(error_of(task.task().stop(soon())), "");
   EXPECT_TRUE(is_gone(pid));
   ASSERT_EQ(error_of(task.task().start(soon())), "");
-  EXPECT_NE(pid_of("planner"), pid);
+  EXPECT_TRUE(eventually([&] { return pid_of("planner") != pid; })) << "a new process";
   ASSERT_EQ(error_of(task.task().stop(soon())), "");
 }
 
@@ -93,6 +94,36 @@ TEST_F(StartedNodes, WithoutALifeCycleLiveFromConfigureOnWhereThatIsWanted) {
   EXPECT_EQ(::kill(pid, 0), 0);
   ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
   EXPECT_TRUE(is_gone(pid));
+}
+
+TEST_F(StartedNodes, HaveTheirTopicsAsPortsByTheNamesOfRemappings) {
+  RunningTask counter("ros2::Node", "counter");
+  auto values = node("counter", "/counter");
+  values["process"].as_map().set("remappings", Value::list({"numbers:=/front/numbers"}));
+  values.append("publishes", Value::map({{"numbers", "std_msgs/msg/String"}}));
+  values.append("ready", Value::list({"numbers"}));
+  ASSERT_EQ(error_of(counter.configure(values)), "");
+  Reader reader(*counter.task().component().find_output("numbers"));
+  ASSERT_EQ(error_of(counter.task().start(soon())), "");
+  const Texts numbers = reader.read(3);
+  ASSERT_GE(numbers.size(), 3U);
+  EXPECT_EQ(std::stoi(numbers[2]), std::stoi(numbers[0]) + 2);
+  ::kill(pid_of("counter"), SIGKILL);
+  EXPECT_TRUE(eventually([&] { return counter.task().state() == TaskState::Exception; }));
+}
+
+TEST_F(StartedNodes, WhoseProcessEndsBeforeTheFirstSampleAreNotWaitedFor) {
+  RunningTask task("ros2::Node", "talker");
+  auto values = node("talker", "/talker");
+  values.append("publishes", Value::map({{"words", "std_msgs/msg/String"}}));
+  values.append("ready", Value::list({"words"}));
+  ASSERT_EQ(error_of(task.configure(values)), "");
+  std::string started;
+  std::thread starter([&] { started = error_of(task.task().start(soon())); });
+  EXPECT_TRUE(eventually([&] { return pid_of("talker") > 0; }));
+  ::kill(pid_of("talker"), SIGKILL);
+  starter.join();
+  EXPECT_THAT(started, HasSubstr("the process of node /talker was killed by signal 9"));
 }
 
 TEST_F(StartedNodes, ThatEndAtOnceAreSaidWithTheirStatus) {

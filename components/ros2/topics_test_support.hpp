@@ -86,12 +86,14 @@ inline std::string text_of(const Bytes& message) {
                                                                                              : "(corrupt)";
 }
 
-/// Reads from a Subscription.
+inline constexpr segue::Policy kPlenty{segue::BufferKind::Buffer, 1000, segue::Transport::Automatic, false};
+
+/// Reads from an output, such as that of a Subscription.
 class Reader final : public segue::task::Component {
  public:
-  explicit Reader(RunningTask& subscription) {
-    const segue::Policy plenty{segue::BufferKind::Buffer, 1000, segue::Transport::Automatic, false};
-    if (!segue::sample_link::connect(subscription.out(), port_, plenty)) std::abort();
+  explicit Reader(RunningTask& subscription) : Reader(subscription.out()) {}
+  explicit Reader(segue::task::OutputPortBase& output) {
+    if (!segue::sample_link::connect(output, port_, kPlenty)) std::abort();
   }
   /// The texts that have arrived since the last call.
   Texts read() {
@@ -115,13 +117,13 @@ class Reader final : public segue::task::Component {
   segue::task::InputPort<std_msgs::String> port_{*this, "in"};
 };
 
-/// Writes to a Publisher.
+/// Writes to an input, such as that of a Publisher.
 template <class Message = std_msgs::String>
 class Writer final : public segue::task::Component {
  public:
-  explicit Writer(RunningTask& publisher) {
-    const segue::Policy plenty{segue::BufferKind::Buffer, 1000, segue::Transport::Automatic, false};
-    if (!segue::sample_link::connect(port_, publisher.in(), plenty)) std::abort();
+  explicit Writer(RunningTask& publisher) : Writer(publisher.in()) {}
+  explicit Writer(segue::task::InputPortBase& input) {
+    if (!segue::sample_link::connect(port_, input, kPlenty)) std::abort();
   }
   void write(const std::string& text) { port_.write({text}); }
 

@@ -28,8 +28,8 @@ const std::vector<std::string> kServers = {"amcl",
                                            "velocity_smoother",
                                            "waypoint_follower"};
 
-/// A set of managed nodes as Nav2 has it: each is in a process of its own.
-class NavigationServers : public SystemTest {
+/// A robot whose controllers start nodes, each in a process of its own.
+class NodesOfARobot : public SystemTest {
  protected:
   void SetUp() override {
     SystemTest::SetUp();
@@ -39,13 +39,23 @@ class NavigationServers : public SystemTest {
     write("rover/robot.yaml",
           "robot: rover\nlibraries: [segue_components_ros2]\ncontrollers: [controllers/*.yaml]\n");
     write("rover/controllers/idle.yaml", "tasks: {}\n");
-    write("rover/controllers/navigate.yaml", network("meets: " + std::to_string(kServers.size()), ""));
-    write("rover/controllers/broken.yaml", network("rate: 1", "dies_in_configure: true"));
-    start();
   }
   void TearDown() override {
     SystemTest::TearDown();
     ros.reset();
+  }
+
+  std::unique_ptr<Ros2Installation> ros;
+};
+
+/// A set of managed nodes as Nav2 has it.
+class NavigationServers : public NodesOfARobot {
+ protected:
+  void SetUp() override {
+    NodesOfARobot::SetUp();
+    write("rover/controllers/navigate.yaml", network("meets: " + std::to_string(kServers.size()), ""));
+    write("rover/controllers/broken.yaml", network("rate: 1", "dies_in_configure: true"));
+    start();
   }
 
   /// All servers, and one more where `parameters_of_other` are given.
@@ -74,8 +84,6 @@ class NavigationServers : public SystemTest {
       return std::ranges::all_of(all, [](const auto& each) { return ::kill(each.second, 0) != 0; });
     });
   }
-
-  std::unique_ptr<Ros2Installation> ros;
 };
 
 TEST_F(NavigationServers, AreConfiguredAllAtOnce) {
@@ -116,6 +124,64 @@ TEST_F(NavigationServers, EndWithTheProcessThatHasStartedThem) {
   for (const auto& [pid, program] : processes_of(folder_ / "runtime"))
     ::kill(pid, SIGKILL);
   EXPECT_TRUE(are_gone(before));
+}
+
+/// A node that counts, and one that listens to it by way of a connection.
+class ConnectedNodes : public NodesOfARobot {
+ protected:
+  void SetUp() override {
+    NodesOfARobot::SetUp();
+    write("rover/controllers/narrow.yaml", network("/words", "5000"));
+    write("rover/controllers/wide.yaml", network("/words", "8000",
+                                                 "  also: {component: 'ros2::Subscription', properties: "
+                                                 "{topic: /also, type: std_msgs/msg/String}}\n",
+                                                 "  also: {tasks: [also]}\n"));
+    write("rover/controllers/twice.yaml", network("/numbers", "5000"));
+    start();
+  }
+
+  /// `topic` is that of the listener, `size` that of the connection.
+  static std::string network(const std::string& topic, const std::string& size, const std::string& tasks = "",
+                             const std::string& deployments = "") {
+    const auto node = [](const std::string& name, const std::string& ports) {
+      return "  " + name + ":\n    component: ros2::Node\n    properties: {name: /" + name +
+             ", timeout: 100s, process: {package: test_nodes, executable: " + name + "}, " + ports + "}\n";
+    };
+    return "tasks:\n" +
+           node("counter",
+                "publishes: {numbers: {type: std_msgs/msg/String, depth: 10000}}, ready: [numbers]") +
+           node("listener",
+                "subscribes: {words: {topic: " + topic + ", type: std_msgs/msg/String, depth: 10000}}") +
+           tasks +
+           "connections:\n  - {from: counter.numbers, to: listener.words, policy: buffer, size: " + size +
+           "}\ndeployments:\n  counter: {tasks: [counter]}\n  listener: {tasks: [listener]}\n" + deployments;
+  }
+  int heard() const { return std::atoi(ros->noted("listener.heard").c_str()); }
+};
+
+TEST_F(ConnectedNodes, LoseNoSampleInSwitchesThatKeepThem) {
+  ASSERT_EQ(segue({"switch", "narrow", "--timeout", "120s"}).status, 0);
+  const pid_t counter = ros->pid_of("counter");
+  for (int i = 0; i < 6; ++i) {
+    const int before = heard();
+    ASSERT_TRUE(eventually([&] { return heard() > before + 50; })) << ros->noted("listener.heard");
+    const auto switched = segue({"switch", i % 2 == 0 ? "wide" : "narrow", "--timeout", "120s"});
+    ASSERT_EQ(switched.status, 0) << switched.output << switched.errors;
+  }
+  const int before = heard();
+  ASSERT_TRUE(eventually([&] { return heard() > before + 50; }));
+  EXPECT_THAT(ros->noted("listener.heard"), HasSubstr(" heard, 0 gaps"));
+  EXPECT_EQ(ros->pid_of("counter"), counter) << "it was kept";
+}
+
+TEST_F(ConnectedNodes, OfOneTopicAreNotConnected) {
+  const auto checked = segue({"check", "rover/controllers/twice.yaml", "--robot-file", "rover/robot.yaml"});
+  EXPECT_EQ(checked.status, 1);
+  EXPECT_THAT(checked.output + checked.errors, HasSubstr("both are topic /numbers of ROS 2"));
+  const auto switched = segue({"switch", "twice", "--timeout", "120s"});
+  EXPECT_NE(switched.status, 0);
+  EXPECT_THAT(switched.output + switched.errors,
+              HasSubstr("counter.numbers and listener.words are both topic /numbers of ROS 2"));
 }
 
 }  // namespace

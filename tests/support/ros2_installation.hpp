@@ -17,8 +17,9 @@ class Ros2Installation {
   Ros2Installation(std::filesystem::path folder, const std::filesystem::path& program)
       : folder_(std::move(folder)) {
     namespace fs = std::filesystem;
-    for (const char* name : {"test_nodes/managed", "test_nodes/talker", "test_nodes/fails",
-                             "test_nodes/stubborn", "rclcpp_components/component_container_isolated"}) {
+    for (const char* name :
+         {"test_nodes/managed", "test_nodes/talker", "test_nodes/counter", "test_nodes/listener",
+          "test_nodes/fails", "test_nodes/stubborn", "rclcpp_components/component_container_isolated"}) {
       const fs::path link = folder_ / "jazzy/lib" / name;
       fs::create_directories(link.parent_path());
       fs::create_symlink(program, link);
