@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "output.hpp"
+#include "ros2_robot.hpp"
 #include "ros2_system.hpp"
 
 namespace segue::cli {
@@ -22,6 +23,7 @@ struct DescribeOptions {
   std::vector<std::string> nodes;
   bool all = false;
   std::string types;  ///< a folder; empty: they are not asked for
+  std::string model;  ///< a file for the nodes as tasks, or "-"; empty: they are shown
 };
 
 std::string process_text(const Value& node) {
@@ -177,6 +179,21 @@ Result<void> write_types(const std::vector<Value>& nodes, const std::string& fol
   return {};
 }
 
+Result<void> write_tasks(const std::vector<Value>& nodes, const std::string& file) {
+  const std::string text = ros2_tasks(nodes);
+  if (file != "-") return write_file(file, text);
+  print(text);
+  return {};
+}
+
+void show(const std::vector<Value>& nodes, const Context& context) {
+  if (context.json()) return print_json(Value(Value::List(nodes.begin(), nodes.end())));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (i > 0) print("\n\n");
+    print_node(nodes[i]);
+  }
+}
+
 int describe(const DescribeOptions& options, const Context& context) {
   const auto seen = look_at_ros2(
       options.system, Value::map({{"all", options.all},
@@ -190,13 +207,11 @@ int describe(const DescribeOptions& options, const Context& context) {
   if (!options.types.empty()) {
     if (const auto done = write_types(nodes, options.types); !done) return failed(context, done.error());
   }
-  if (context.json()) {
-    print_json(Value(Value::List(nodes.begin(), nodes.end())));
-    return kDone;
-  }
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (i > 0) print("\n\n");
-    print_node(nodes[i]);
+  if (options.model.empty()) {
+    show(nodes, context);
+    if (context.json()) return kDone;
+  } else if (const auto done = write_tasks(nodes, options.model); !done) {
+    return failed(context, done.error());
   }
   for (const Value& node : nodes) {
     for (const std::string& note : notes_of(node))
@@ -222,7 +237,8 @@ void add_ros2_graph(Verb& ros2, Context& context) {
                "show a node's topics, services, actions and parameters, and its state where it is managed",
                "  segue ros2 describe /planner_server\n"
                "  segue ros2 describe --all --format json\n"
-               "  segue ros2 describe /lidar --types interfaces",
+               "  segue ros2 describe /lidar --types interfaces\n"
+               "  segue ros2 describe /lidar --model -",
                [options, &context] { return describe(*options, context); });
   const Option names =
       describer.option("NODE", options->nodes, "nodes; it ends as soon as they have been found");
@@ -232,6 +248,9 @@ void add_ros2_graph(Verb& ros2, Context& context) {
       "--types FOLDER", options->types,
       "write the definitions of topics' types that are not built in, as the nodes tell them, to a "
       "folder that `interfaces` can name");
+  describer.option(
+      "--model FILE", options->model,
+      "write the nodes as tasks of a network, with their topics as ports, to a file; -: show them");
   add_ros2_system_options(describer, options->system, true);
 }
 

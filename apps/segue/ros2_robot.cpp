@@ -3,6 +3,7 @@
 
 #include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
+#include <segue/ros2/node_topics.hpp>
 #include <segue/type/yaml.hpp>
 
 #include <fmt/core.h>
@@ -117,11 +118,69 @@ std::string note_on_process(const Value& node) {
   return fmt::format("process {}, whose program is not in an installation of packages", pid);
 }
 
-std::string task_text(const Value& node, const std::string& id, bool starts) {
+/// All nodes have these topics.
+bool is_common_topic(std::string_view topic) {
+  return topic == "/rosout" || topic == "/parameter_events" || topic.ends_with("/transition_event");
+}
+
+/// "scan" for "/robot/scan" of node "/robot/lidar" and for "/front/scan", "front_scan" where that is taken.
+std::string port_name(const std::string& topic, std::set<std::string>& taken) {
+  std::string whole = topic.substr(topic.find_first_not_of('/'));
+  std::string name = whole.substr(whole.rfind('/') + 1);
+  std::ranges::replace(whole, '/', '_');
+  if (!taken.contains(name)) whole = name;
+  name = whole;
+  for (int number = 2; !taken.insert(name).second; ++number)
+    name = whole + "_" + std::to_string(number);
+  return name;
+}
+
+/// The quality of the endpoint in the task, which is to fit that of the node.
+void add_quality(const Value& told, bool is_published, ValueMap& topic) {
+  const auto copy = [&](const char* key, const char* usual) {
+    const Value* value = told.find(key);
+    if (value != nullptr && *value != Value(usual)) topic.set(key, *value);
+  };
+  // Whoever subscribes requests no more than is offered, and whoever publishes offers what is requested.
+  if (is_published) copy("reliability", "reliable");
+  copy("durability", "volatile");
+  if (is_published) return;
+  copy("liveliness", "automatic");
+  for (const char* key : {"deadline", "lease"})
+    copy(key, "");
+}
+
+/// The property `publishes` or `subscribes`.
+Value ports_of(const Value& node, bool is_published, std::set<std::string>& taken) {
+  ValueMap ports;
+  const std::string& name = text_at(node, "name");
+  for (const Value& seen : node.find(is_published ? "publishers" : "subscriptions")->as_list()) {
+    const std::string& topic = text_at(seen, "topic");
+    if (is_common_topic(topic) || topic.find_first_not_of('/') == std::string::npos) continue;
+    const std::string port = port_name(topic, taken);
+    ValueMap settings;
+    if (ros2::resolve_topic(port, name, {}).value_or("") != topic) settings.set("topic", topic);
+    settings.set("type", *seen.find("type"));
+    add_quality(*seen.find("quality"), is_published, settings);
+    ports.set(port, settings.size() == 1 ? *settings.find("type") : Value(std::move(settings)));
+  }
+  return Value(std::move(ports));
+}
+
+void add_ports(const Value& node, ValueMap& properties) {
+  std::set<std::string> taken{"state"};
+  for (const auto& [key, is_published] : {std::pair{"publishes", true}, {"subscribes", false}}) {
+    if (Value ports = ports_of(node, is_published, taken); !ports.as_map().empty())
+      properties.set(key, std::move(ports));
+  }
+}
+
+std::string task_text(const Value& node, const std::string& id, bool starts, bool with_ports = false) {
   const bool is_started = starts && can_start(node);
   std::vector<std::string> left_out;
   ValueMap properties;
   properties.set("name", text_at(node, "name"));
+  if (with_ports) add_ports(node, properties);
   if (Value parameters = parameters_of(node, is_started, left_out); !parameters.as_map().empty())
     properties.set("parameters", std::move(parameters));
   std::string notes;
@@ -156,7 +215,11 @@ std::string topics_text(const Value& topics) {
                                 names(*topic.find("publishers")), names(*topic.find("subscriptions"))),
                     "#   ");
   }
-  return text.empty() ? text : "# Topics between them, which Segue does not carry:\n" + text;
+  return text.empty()
+             ? text
+             : "# Topics, on which nodes talk to each other without Segue (`segue ros2 describe NODE "
+               "--model -` has them as ports):\n" +
+                   text;
 }
 
 }  // namespace
@@ -184,6 +247,16 @@ Ros2Robot ros2_robot(const Value& seen, const std::string& name, bool starts) {
            topics_text(*seen.find("topics")) + "network: nodes\ntasks:\n" + tasks + "deployments:\n" +
            indented(type::to_yaml(Value::map({{"ros2", Value::map({{"tasks", all}})}})), "  ")});
   return robot;
+}
+
+std::string ros2_tasks(const std::vector<Value>& nodes) {
+  std::set<std::string> ids;
+  std::string text;
+  for (const Value& node : nodes)
+    text += task_text(node, task_id(text_at(node, "name"), ids), true, true);
+  const bool starts = std::ranges::any_of(nodes, can_start);
+  return (starts ? "# The robot starts those with a `process`: end them before, or leave that out.\n" : "") +
+         ("tasks:\n" + text);
 }
 
 }  // namespace segue::cli

@@ -23,4 +23,8 @@ struct Ros2Robot {
 /// left out.
 Ros2Robot ros2_robot(const type::Value& seen, const std::string& name, bool starts);
 
+/// Nodes that were asked, as tasks to be pasted into a network: as ros2_robot() writes them, and with their
+/// topics as ports.
+std::string ros2_tasks(const std::vector<type::Value>& nodes);
+
 }  // namespace segue::cli

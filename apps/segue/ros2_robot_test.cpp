@@ -127,5 +127,38 @@ TEST(Ros2Robot, ListsTheTopicsBetweenNodes) {
               HasSubstr("#   /scan (sensor_msgs/msg/LaserScan): /lidar -> /slam, (not of a node)\nnetwork:"));
 }
 
+Value topic(const std::string& name, const std::string& type, Value quality) {
+  return Value::map({{"topic", name}, {"type", type}, {"quality", std::move(quality)}});
+}
+
+TEST(Ros2Tasks, HaveTopicsAsPorts) {
+  const Value usual = Value::map({{"reliability", "reliable"}, {"durability", "volatile"}});
+  const Value sensor = Value::map({{"reliability", "best_effort"}, {"durability", "volatile"}});
+  const Value late =
+      Value::map({{"reliability", "best_effort"}, {"durability", "transient_local"}, {"deadline", "1s"}});
+  Value lidar = node("/robot/lidar", true);
+  lidar.as_map().set("publishers", Value::list({topic("/robot/scan", "sensor_msgs/msg/LaserScan", sensor),
+                                                topic("/front/scan", "sensor_msgs/msg/LaserScan", usual),
+                                                topic("/robot/ready", "std_msgs/msg/Bool", usual),
+                                                topic("/rosout", "rcl_interfaces/msg/Log", usual)}));
+  lidar.as_map().set("subscriptions", Value::list({topic("/ready", "std_msgs/msg/Bool", late),
+                                                   topic("/parameter_events", "x", usual)}));
+  const auto read = type::parse_yaml(ros2_tasks({lidar}));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(*read->find("tasks")->find("robot_lidar")->find("properties"),
+            Value::map({{"name", "/robot/lidar"},
+                        {"publishes",
+                         Value::map({{"scan", Value::map({{"type", "sensor_msgs/msg/LaserScan"},
+                                                          {"reliability", "best_effort"}})},
+                                     {"front_scan", Value::map({{"topic", "/front/scan"},
+                                                                {"type", "sensor_msgs/msg/LaserScan"}})},
+                                     {"ready", "std_msgs/msg/Bool"}})},
+                        {"subscribes", Value::map({{"ready_2", Value::map({{"topic", "/ready"},
+                                                                           {"type", "std_msgs/msg/Bool"},
+                                                                           {"durability", "transient_local"},
+                                                                           {"deadline", "1s"}})}})}}))
+      << ros2_tasks({lidar});
+}
+
 }  // namespace
 }  // namespace segue::cli

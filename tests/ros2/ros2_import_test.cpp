@@ -60,6 +60,13 @@ TEST_F(RunningRos2, IsDescribedWithItsTypes) {
   EXPECT_THAT(shown.errors, HasSubstr("wrote 1 file to types"));
   EXPECT_THAT(segue({"ros2", "interface", "lidar_msgs/msg/Sweep", "--interfaces", "types"}).output,
               HasSubstr("hash: " + peer.hash()));
+  // A task of the network is what the node is, and fits it.
+  const auto task =
+      segue({"ros2", "describe", "/lidar", "--wait", "100s", "--timeout", "100s", "--model", "lidar.yaml"});
+  EXPECT_EQ(task.status, 0) << task.errors;
+  EXPECT_THAT(read("lidar.yaml"), HasSubstr("publishes:"));
+  EXPECT_THAT(read("lidar.yaml"), HasSubstr("lidar_msgs/msg/Sweep"));
+  EXPECT_EQ(segue({"check", "lidar.yaml", "--structure"}).status, 0);
   const auto nobody = segue({"ros2", "describe", "/lidr", "--wait", "1s"});
   EXPECT_EQ(nobody.status, 1);
   EXPECT_THAT(nobody.errors, HasSubstr("no node '/lidr'"));
