@@ -14,7 +14,7 @@ namespace segue::task {
 class Component;
 
 /// Changes whenever component libraries must be recompiled to work with this Segue.
-inline constexpr std::string_view kComponentAbi = "segue-0.1/6";
+inline constexpr std::string_view kComponentAbi = "segue-0.1/7";
 
 /// A component that can be created in this process.
 struct ComponentEntry {
