@@ -153,9 +153,9 @@ class Component {
   void log(LogLevel level, std::string_view message) const;
   [[nodiscard]] TimePoint now() const;
   [[nodiscard]] const std::string& id() const;
-  /// FileDescriptorDriven tasks, in on_start: update whenever `descriptor` is readable. Several may be given;
-  /// stop forgets them. The component keeps ownership and must not close a descriptor before on_stop. Where
-  /// the network says which descriptors drive the task, the others, by their names, are left out.
+  /// In on_start: update whenever `descriptor` is readable (a PortDriven task: then, too). Several may be
+  /// given; stop forgets them. The component keeps ownership and must not close one before on_stop. Where the
+  /// network says which descriptors drive the task, the others are left out. InvalidState: it is Periodic.
   Result<void> trigger_fd(int descriptor, std::string_view name = {});
 
  private:
