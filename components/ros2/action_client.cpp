@@ -2,21 +2,17 @@
 #include "cdr_output.hpp"
 #include "node_task.hpp"
 #include "remote_action.hpp"
+#include "told_state.hpp"
 #include "types.hpp"
 
-#include <segue/base/descriptor.hpp>
 #include <segue/base/log.hpp>
 #include <segue/task/operation.hpp>
 #include <segue/task/sub_state.hpp>
 #include <segue/task/typed_port.hpp>
 
-#include <sys/timerfd.h>
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <ctime>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -24,10 +20,6 @@
 namespace ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
-
-/// Who waits for a state of the task counts from an update after he has told it something, so there is one
-/// from time to time.
-constexpr long kBetweenUpdates = 100'000'000;  // ns
 
 static segue::Activity in_shared_actions() {
   segue::Activity activity = segue::fd_driven();
@@ -61,15 +53,13 @@ class ActionClient final : public NodeTask, private GoalListener {
     if (auto joined = join(); !joined) return joined;
     auto interfaces = library();
     auto made = RemoteAction::make(shared_participant(), interfaces, *action_text_, *type_, *this);
-    timer_ = segue::Descriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC));
-    if (made && !timer_.valid())
-      made = segue::fail(segue::ErrorCode::Unavailable, "the system has no timer left");
+    if (auto opened = goal_state_.open(); made && !opened) made = opened.error();
     if (!made) {
       leave();
       return made.error();
     }
-    feedback_.emplace(*this, "feedback", (*made)->feedback(), "of the goal, as it comes");
-    result_.emplace(*this, "result", (*made)->result(), "of each goal that has ended");
+    feedback_.emplace(*this, "feedback", (*made)->messages().feedback, "of the goal, as it comes");
+    result_.emplace(*this, "result", (*made)->messages().result, "of each goal that has ended");
     {
       const segue::Lock lock(counts_mutex_);
       counts_ = {};
@@ -82,22 +72,15 @@ class ActionClient final : public NodeTask, private GoalListener {
   }
 
   segue::Result<void> on_start() override {
-    wanted_ = 0;
-    shown_ = 0;
-    set_timer();
-    if (auto driven = trigger_fd(timer_.get()); !driven) return driven;
+    goal_state_.begin();
+    if (auto driven = trigger_fd(goal_state_.descriptor()); !driven) return driven;
     runs_ = true;
     action()->start();
     return {};
   }
 
   void on_update() override {
-    std::uint64_t expirations = 0;
-    static_cast<void>(::read(timer_.get(), &expirations, sizeof expirations));
-    const std::uint32_t wanted = wanted_;
-    if (wanted == shown_) return;
-    show(static_cast<GoalState>(wanted & kStateMask));
-    shown_ = wanted;
+    goal_state_.update([this](GoalState state) { show(state); });
   }
 
   void on_stop() override {
@@ -119,22 +102,14 @@ class ActionClient final : public NodeTask, private GoalListener {
     ended.reset();
     feedback_.reset();
     result_.reset();
-    timer_ = segue::Descriptor();
+    goal_state_.close();
     leave();
   }
 
  private:
-  static constexpr std::uint32_t kStateMask = 0xf;
-  static constexpr std::uint32_t kOneChange = 0x10;
-
   std::shared_ptr<RemoteAction> action() {
     const segue::Lock lock(mutex_);
     return action_;
-  }
-
-  void set_timer() const {
-    const itimerspec times{{0, kBetweenUpdates}, {0, 1}};
-    ::timerfd_settime(timer_.get(), 0, &times, nullptr);
   }
 
   void show(GoalState state) {
@@ -159,10 +134,8 @@ class ActionClient final : public NodeTask, private GoalListener {
       return segue::fail(segue::ErrorCode::InvalidState, "no goal is sent: the task is not configured");
     const auto accepted = action->send(goal, deadline);
     count(&ActionStatistics::goals);
-    const std::uint32_t wanted = wanted_;
-    // The differences of two counters that wrap.
-    while (runs_ && static_cast<std::int32_t>(shown_ - wanted) < 0 &&
-           segue::monotonic_now() < segue::TimePoint(deadline))
+    const std::uint32_t told = goal_state_.told();
+    while (runs_ && !goal_state_.has_entered(told) && segue::monotonic_now() < segue::TimePoint(deadline))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (!accepted) return accepted.error();
     return segue::type::Value(*accepted);
@@ -178,10 +151,7 @@ class ActionClient final : public NodeTask, private GoalListener {
     return action->cancel(deadline);
   }
 
-  void goal_changed(GoalState state) noexcept override {
-    wanted_ = ((wanted_ & ~kStateMask) + kOneChange) | static_cast<std::uint32_t>(state);
-    set_timer();
-  }
+  void goal_changed(GoalState state) noexcept override { goal_state_.tell(state); }
   void feedback_came(std::span<const std::byte> feedback) noexcept override {
     const auto outcome = feedback_->publish(feedback);
     count(outcome == CdrOutput::Outcome::Corrupt ? &ActionStatistics::corrupt : &ActionStatistics::feedback);
@@ -234,10 +204,8 @@ class ActionClient final : public NodeTask, private GoalListener {
                                            "asks the server to cancel the goal; returns when it agrees"};
   Operation<ActionStatistics()> statistics_{
       *this, "statistics", {}, [this] { return statistics(); }, RunsIn::CallerThread, "what has come so far"};
-  segue::Descriptor timer_;
+  ToldState goal_state_;
   std::atomic<bool> runs_{false};
-  std::atomic<std::uint32_t> wanted_{0};  ///< a GoalState, and how often it has changed
-  std::atomic<std::uint32_t> shown_{0};   ///< the latest of them that is the task's state
   segue::Mutex counts_mutex_;
   ActionStatistics counts_ SEGUE_GUARDED_BY(counts_mutex_);
   // Changed only while there is no RemoteAction, whose callbacks use them.

@@ -4,19 +4,6 @@
 
 #include <future>
 
-namespace test_msgs {
-struct Count_Result {
-  std::int64_t reached = 0;
-  std::string words;
-};
-struct Count_Feedback {
-  std::int32_t now = 0;
-  std::string words;
-};
-}  // namespace test_msgs
-SEGUE_TYPE(test_msgs::Count_Result, reached, words)
-SEGUE_TYPE(test_msgs::Count_Feedback, now, words)
-
 namespace ros2::testing {
 namespace {
 
@@ -66,7 +53,7 @@ ValueMap action_properties(const segue::testing::TemporaryFiles& folder) {
 
 class Actions : public ::testing::TestWithParam<Middleware> {
  protected:
-  Actions() { ActionPeer::define(folder.folder()); }
+  Actions() { define_count(folder.folder()); }
 
   static std::unique_ptr<Peer> make_peer() {
     return GetParam() == Middleware::FastDds ? make_fast_peer(own_domain()) : make_cyclone_peer(own_domain());
@@ -338,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(, Actions, ::testing::Values(Middleware::FastDds, Middl
 
 TEST(ActionProperties, AreRefusedWithAReason) {
   const segue::testing::TemporaryFiles folder;
-  ActionPeer::define(folder.folder());
+  define_count(folder.folder());
   const auto refusal = [&](const char* name, Value value) {
     RunningTask task("ros2::ActionClient", "counter");
     ValueMap values = action_properties(folder);
@@ -354,7 +341,7 @@ TEST(ActionProperties, AreRefusedWithAReason) {
 
 TEST(ActionProperties, FitTheGoalThatIsSent) {
   const segue::testing::TemporaryFiles folder;
-  ActionPeer::define(folder.folder());
+  define_count(folder.folder());
   RunningTask task("ros2::ActionClient", "counter");
   task.run(action_properties(folder));
   const auto got = task.task().call("send_goal", Value::map({{"goal", Value::map({{"tarket", 3}})}}), soon());

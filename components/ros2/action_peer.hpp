@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "count_messages.hpp"
 #include "peer.hpp"
 
 #include <segue/ros2/message_codec.hpp>
@@ -25,8 +26,6 @@ class ActionPeer {
     segue::type::Value id;
   };
 
-  /// Writes the definition of the action to that folder, which is one of the property `interfaces`.
-  static void define(const std::filesystem::path& folder);
   ActionPeer(const std::function<std::unique_ptr<Peer>()>& make_peer, const std::filesystem::path& folder);
 
   Asked next_goal();
@@ -49,18 +48,9 @@ class ActionPeer {
   void leave();
 
  private:
-  segue::ros2::MessageCodec codec(const std::string& message);
   static Asked next(Peer& peer, const segue::ros2::MessageCodec& codec);
 
-  segue::ros2::InterfaceLibrary library_;
-  const segue::ros2::MessageCodec goal_request_ = codec("test_msgs/action/Count_SendGoal_Request");
-  const segue::ros2::MessageCodec goal_response_ = codec("test_msgs/action/Count_SendGoal_Response");
-  const segue::ros2::MessageCodec cancel_request_ = codec("action_msgs/srv/CancelGoal_Request");
-  const segue::ros2::MessageCodec cancel_response_ = codec("action_msgs/srv/CancelGoal_Response");
-  const segue::ros2::MessageCodec result_request_ = codec("test_msgs/action/Count_GetResult_Request");
-  const segue::ros2::MessageCodec result_response_ = codec("test_msgs/action/Count_GetResult_Response");
-  const segue::ros2::MessageCodec feedback_message_ = codec("test_msgs/action/Count_FeedbackMessage");
-  const segue::ros2::MessageCodec status_message_ = codec("action_msgs/msg/GoalStatusArray");
+  const ActionCodecs codecs_;
   std::unique_ptr<Peer> send_goal_;  ///< and feedback
   std::unique_ptr<Peer> cancel_;     ///< and status
   std::unique_ptr<Peer> get_result_;

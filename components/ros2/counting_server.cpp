@@ -4,9 +4,9 @@
 // goal at a time and not further than to 1000.
 //   counting_server fastdds|cyclone FOLDER FILE
 // FOLDER has count_msgs/action/Count.action, FILE gets what it does; domain $ROS_DOMAIN_ID.
+#include "count_messages.hpp"
 #include "peer.hpp"
 
-#include <segue/ros2/message_codec.hpp>
 #include <segue/type/value.hpp>
 
 #include <chrono>
@@ -23,6 +23,7 @@ namespace {
 using segue::type::Value;
 
 constexpr std::int64_t kFurthest = 1000;
+constexpr const char* kInterface = "count_msgs/action/Count";
 constexpr int kExecuting = 2;
 constexpr int kSucceeded = 4;
 constexpr int kCanceled = 5;
@@ -31,15 +32,8 @@ class CountingServer {
  public:
   CountingServer(std::unique_ptr<Peer> (*make)(std::uint32_t), std::uint32_t domain,
                  const std::string& folder)
-      : library_({folder}), goals_(make(domain)), cancels_(make(domain)), results_(make(domain)) {
-    goals_->serve("/count/_action/send_goal", "count_msgs/action/Count_SendGoal");
-    cancels_->serve("/count/_action/cancel_goal", "action_msgs/srv/CancelGoal");
-    results_->serve("/count/_action/get_result", "count_msgs/action/Count_GetResult");
-    goals_->advertise({"/count/_action/feedback", "count_msgs/action/Count_FeedbackMessage", "", {}});
-    segue::ros2::Quality latched;
-    latched.durability = segue::ros2::Durability::TransientLocal;
-    latched.depth = 1;
-    cancels_->advertise({"/count/_action/status", "action_msgs/msg/GoalStatusArray", "", latched});
+      : codecs_(folder, kInterface), goals_(make(domain)), cancels_(make(domain)), results_(make(domain)) {
+    serve_count(*goals_, *cancels_, *results_, kInterface);
   }
 
   [[noreturn]] void run() {
@@ -55,12 +49,12 @@ class CountingServer {
  private:
   void answer() {
     for (const Request& request : goals_->requests()) {
-      const Value asked = goal_request_.decode(request.message).value();
+      const Value asked = codecs_.goal_request.decode(request.message).value();
       const std::int64_t target = asked.find("goal")->find("target")->as_int();
       const bool accepts = target <= kFurthest && !goal_;
       std::printf("count to %lld: %s\n", static_cast<long long>(target), accepts ? "accepted" : "refused");
       if (accepts) goal_ = Goal{*asked.find("goal_id"), target, 0, {}};
-      goals_->respond(request, goal_response_.encode(Value::map({{"accepted", accepts}}), "").value());
+      goals_->respond(request, codecs_.goal_response.encode(Value::map({{"accepted", accepts}}), "").value());
       if (accepts) tell_status(kExecuting);
     }
     for (const Request& request : results_->requests()) {
@@ -68,8 +62,8 @@ class CountingServer {
       answer_result();
     }
     for (const Request& request : cancels_->requests()) {
-      cancels_->respond(request,
-                        cancel_response_.encode(Value::map({{"return_code", goal_ ? 0 : 3}}), "").value());
+      cancels_->respond(
+          request, codecs_.cancel_response.encode(Value::map({{"return_code", goal_ ? 0 : 3}}), "").value());
       if (goal_) end(kCanceled);
     }
   }
@@ -79,7 +73,7 @@ class CountingServer {
     if (++goal_->now >= goal_->target) return end(kSucceeded);
     const Value message =
         Value::map({{"goal_id", goal_->id}, {"feedback", Value::map({{"now", goal_->now}})}});
-    goals_->publish(feedback_message_.encode(message, "").value());
+    goals_->publish(codecs_.feedback.encode(message, "").value());
   }
 
   void end(int status) {
@@ -96,17 +90,13 @@ class CountingServer {
     if (!goal_ || goal_->status == 0 || !goal_->asked) return;
     const Value result =
         Value::map({{"status", goal_->status}, {"result", Value::map({{"reached", goal_->now}})}});
-    results_->respond(*goal_->asked, result_response_.encode(result, "").value());
+    results_->respond(*goal_->asked, codecs_.result_response.encode(result, "").value());
     goal_.reset();
   }
 
   void tell_status(int status) {
     const Value one = Value::map({{"goal_info", Value::map({{"goal_id", goal_->id}})}, {"status", status}});
-    cancels_->publish(status_message_.encode(Value::map({{"status_list", Value::list({one})}}), "").value());
-  }
-
-  segue::ros2::MessageCodec codec(const std::string& message) {
-    return segue::ros2::MessageCodec::of(library_, message).value();
+    cancels_->publish(codecs_.status.encode(Value::map({{"status_list", Value::list({one})}}), "").value());
   }
 
   struct Goal {
@@ -116,13 +106,7 @@ class CountingServer {
     std::optional<Request> asked{};  ///< for its result
     int status = 0;                  ///< how it has ended
   };
-  segue::ros2::InterfaceLibrary library_;
-  const segue::ros2::MessageCodec goal_request_ = codec("count_msgs/action/Count_SendGoal_Request");
-  const segue::ros2::MessageCodec goal_response_ = codec("count_msgs/action/Count_SendGoal_Response");
-  const segue::ros2::MessageCodec cancel_response_ = codec("action_msgs/srv/CancelGoal_Response");
-  const segue::ros2::MessageCodec result_response_ = codec("count_msgs/action/Count_GetResult_Response");
-  const segue::ros2::MessageCodec feedback_message_ = codec("count_msgs/action/Count_FeedbackMessage");
-  const segue::ros2::MessageCodec status_message_ = codec("action_msgs/msg/GoalStatusArray");
+  const ActionCodecs codecs_;
   std::unique_ptr<Peer> goals_;    ///< and feedback
   std::unique_ptr<Peer> cancels_;  ///< and status
   std::unique_ptr<Peer> results_;

@@ -33,10 +33,7 @@ bool is_empty(const Value& parameters) {
 }  // namespace
 
 NodeProxy::NodeProxy(std::string doc)
-    : NodeTask({.doc = std::move(doc),
-                .activity = segue::fd_driven(),
-                .descriptors = {"timer", "process"},
-                .samples_trigger = true}) {
+    : NodeTask({.doc = std::move(doc), .descriptors = {"timer", "process"}}) {
   dynamic_ports(segue::task::Direction::Output, kPortPattern, "those of publishes, with the topic's type");
   dynamic_ports(segue::task::Direction::Input, kPortPattern, "those of subscribes, with the topic's type");
 }

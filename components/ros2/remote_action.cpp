@@ -20,19 +20,8 @@ using segue::ErrorCode;
 using segue::fail;
 using segue::type::Value;
 
-/// CDR begins with four bytes; a message of feedback has the identifier of its goal after them.
-constexpr std::size_t kHeaderBytes = 4;
-constexpr std::size_t kIdBytes = 16;
-
 /// How long a server that has come back, or is slow, is waited for.
 constexpr std::chrono::seconds kComesBack{60};
-
-segue::ros2::Quality status_quality() {
-  segue::ros2::Quality quality;
-  quality.durability = segue::ros2::Durability::TransientLocal;
-  quality.depth = 1;
-  return quality;
-}
 
 }  // namespace
 
@@ -77,55 +66,45 @@ segue::Result<std::unique_ptr<RemoteAction>> RemoteAction::make(std::shared_ptr<
                                                                 const std::string& action,
                                                                 const std::string& interface,
                                                                 GoalListener& listener) {
-  if (auto valid = segue::ros2::dds_topic_name(action); !valid) return valid.error();
-  if (const auto name = segue::ros2::parse_interface_name(interface); name && name->kind != "action")
-    return fail(ErrorCode::InvalidArgument, interface + " is not an action");
-  std::unique_ptr<RemoteAction> made(new RemoteAction(std::move(participant), action, listener));
-  if (auto opened = made->open(library, interface); !opened) return opened.error();
+  auto messages = ActionMessages::of(library, action, interface);
+  if (!messages) return messages.error();
+  std::unique_ptr<RemoteAction> made(
+      new RemoteAction(std::move(participant), std::move(*messages), listener));
+  if (auto opened = made->open(library); !opened) return opened.error();
   return made;
 }
 
-RemoteAction::RemoteAction(std::shared_ptr<Participant> participant, std::string action,
+RemoteAction::RemoteAction(std::shared_ptr<Participant> participant, ActionMessages messages,
                            GoalListener& listener)
-    : participant_(std::move(participant)), action_(std::move(action)), listener_(listener) {}
+    : participant_(std::move(participant)),
+      messages_(std::move(messages)),
+      action_(messages_.action),
+      listener_(listener) {}
 
 RemoteAction::~RemoteAction() {
   participant_->stop_watching(this);
 }
 
-segue::Result<void> RemoteAction::open(segue::ros2::InterfaceLibrary& library, const std::string& interface) {
+segue::Result<void> RemoteAction::open(segue::ros2::InterfaceLibrary& library) {
   struct Part {
-    std::optional<segue::ros2::MessageCodec>& codec;
-    std::string name;
-  };
-  const std::string feedback_message = interface + "_FeedbackMessage";
-  for (const Part& part :
-       {Part{goal_message_, interface + "_Goal"}, Part{feedback_, interface + "_Feedback"},
-        Part{result_, interface + "_Result"}, Part{status_, "action_msgs/msg/GoalStatusArray"}}) {
-    auto codec = segue::ros2::MessageCodec::of(library, part.name);
-    if (!codec) return codec.error();
-    part.codec = std::move(*codec);
-  }
-  struct Service {
     std::unique_ptr<Requester>& requester;
-    const char* name;
-    std::string interface;
+    ActionMessages::Service service;
   };
-  for (const Service& service : {Service{send_goal_, "send_goal", interface + "_SendGoal"},
-                                 Service{cancel_goal_, "cancel_goal", "action_msgs/srv/CancelGoal"},
-                                 Service{get_result_, "get_result", interface + "_GetResult"}}) {
-    auto made =
-        Requester::make(participant_, library, action_ + "/_action/" + service.name, service.interface);
+  for (const Part& part :
+       {Part{send_goal_, messages_.send_goal()}, Part{cancel_goal_, messages_.cancel_goal()},
+        Part{get_result_, messages_.get_result()}}) {
+    auto made = Requester::make(participant_, library, part.service.name, part.service.interface);
     if (!made) return made.error();
-    service.requester = std::move(*made);
+    part.requester = std::move(*made);
   }
-  auto message = segue::ros2::MessageCodec::of(library, feedback_message);
-  if (!message) return message.error();
   feedback_in_ = std::make_unique<Messages>([this](auto bytes) { take_feedback(bytes); });
   status_in_ = std::make_unique<Messages>([this](auto bytes) { take_status(bytes); });
-  if (auto opened = feedback_in_->open(*participant_, action_ + "/_action/feedback", *message, {}); !opened)
+  if (auto opened =
+          feedback_in_->open(*participant_, messages_.feedback_topic(), messages_.feedback_message, {});
+      !opened)
     return opened;
-  if (auto opened = status_in_->open(*participant_, action_ + "/_action/status", *status_, status_quality());
+  if (auto opened = status_in_->open(*participant_, messages_.status_topic(), messages_.status,
+                                     ActionMessages::status_quality());
       !opened)
     return opened;
   participant_->watch(this, [this] { look_for_server(); });
@@ -141,13 +120,8 @@ std::vector<segue::ros2::Gid> RemoteAction::subscriptions() const {
           feedback_in_->gid(), status_in_->gid()};
 }
 
-Value RemoteAction::id_request(const GoalId& id) {
-  Value::List bytes(id.begin(), id.end());
-  return Value::map({{"goal_id", Value::map({{"uuid", Value(std::move(bytes))}})}});
-}
-
 Value RemoteAction::cancel_request(const GoalId& id) {
-  return Value::map({{"goal_info", id_request(id)}});
+  return Value::map({{"goal_info", goal_id_value(id)}});
 }
 
 void RemoteAction::start() {
@@ -231,7 +205,7 @@ segue::Result<void> RemoteAction::await_server(segue::TimePoint deadline) {
   return {};
 }
 
-std::optional<RemoteAction::GoalId> RemoteAction::replace_goal(const GoalId& id) {
+std::optional<GoalId> RemoteAction::replace_goal(const GoalId& id) {
   const segue::Lock lock(mutex_);
   std::optional<GoalId> earlier;
   if (goal_ && is_active(goal_->state)) earlier = goal_->id;
@@ -242,7 +216,7 @@ std::optional<RemoteAction::GoalId> RemoteAction::replace_goal(const GoalId& id)
 }
 
 segue::Result<bool> RemoteAction::send(const Value& goal, segue::TimePoint deadline) {
-  if (auto fits = goal_message_->encode(goal, "goal"); !fits) return fits.error();
+  if (auto fits = messages_.goal.encode(goal, "goal"); !fits) return fits.error();
   if (auto there = await_server(deadline); !there) return there.error();
   {
     const segue::Lock lock(mutex_);
@@ -251,7 +225,7 @@ segue::Result<bool> RemoteAction::send(const Value& goal, segue::TimePoint deadl
   }
   const GoalId id = random_gid();
   const auto earlier = replace_goal(id);
-  Value request = id_request(id);
+  Value request = goal_id_value(id);
   request.as_map().append("goal", goal);
   if (auto sent = send_goal_->begin(request, deadline, [this, id](const auto& got) { take_answer(id, got); });
       !sent) {
@@ -292,7 +266,7 @@ segue::Result<bool> RemoteAction::await_answer(const GoalId& id, segue::TimePoin
 
 void RemoteAction::ask_for_result(const GoalId& id, segue::TimePoint deadline) {
   auto asked =
-      get_result_->begin(id_request(id), deadline, [this, id](const auto& got) { take_result(id, got); });
+      get_result_->begin(goal_id_value(id), deadline, [this, id](const auto& got) { take_result(id, got); });
   if (asked) return;
   const segue::Lock lock(mutex_);
   if (current(id) == nullptr) return;
@@ -319,14 +293,11 @@ segue::Result<void> RemoteAction::cancel(segue::TimePoint deadline) {
 segue::Result<void> RemoteAction::cancel(const GoalId& id, segue::TimePoint deadline) {
   auto response = cancel_goal_->call(cancel_request(id), deadline);
   if (!response) return response.error();
-  // Those of action_msgs/srv/CancelGoal.
-  const auto code = response->find("return_code")->as_int();
-  constexpr std::int64_t kAgrees = 0;
-  constexpr std::int64_t kHasEnded = 3;
-  if (code == kAgrees || code == kHasEnded) return {};
+  const auto code = static_cast<CancelCode>(response->find("return_code")->as_int());
+  if (code == CancelCode::Agrees || code == CancelCode::HasEnded) return {};
   return fail(ErrorCode::InvalidState,
               "the server of action " + action_ +
-                  (code == 1 ? " refuses to cancel the goal" : " does not know the goal"));
+                  (code == CancelCode::Refuses ? " refuses to cancel the goal" : " does not know the goal"));
 }
 
 void RemoteAction::take_answer(const GoalId& id, const segue::Result<Value>& answer) {
@@ -359,7 +330,7 @@ void RemoteAction::take_result(const GoalId& id, const segue::Result<Value>& ans
     return change(GoalState::Lost);
   }
   // Its place in the response differs from that in a message of its own.
-  if (const auto result = result_->encode(*answer->find("result"), "result"); result) {
+  if (const auto result = messages_.result.encode(*answer->find("result"), "result"); result) {
     listener_.result_came(*result);
   } else {
     listener_.goal_trouble(segue::to_string(result.error()));
@@ -370,25 +341,18 @@ void RemoteAction::take_result(const GoalId& id, const segue::Result<Value>& ans
 void RemoteAction::take_feedback(std::span<const std::byte> message) {
   const segue::Lock lock(mutex_);
   if (!goal_ || !is_active(goal_->state)) return;
-  const bool is_whole = message.size() >= kHeaderBytes + kIdBytes;
-  if (is_whole &&
-      !std::ranges::equal(std::as_bytes(std::span(goal_->id)), message.subspan(kHeaderBytes, kIdBytes)))
-    return;
-  // Sixteen bytes later all alignments are the same.
-  feedback_bytes_.assign(message.begin(), message.begin() + (is_whole ? kHeaderBytes : 0));
-  if (is_whole)
-    feedback_bytes_.insert(feedback_bytes_.end(), message.begin() + kHeaderBytes + kIdBytes, message.end());
+  const auto id = split_goal_id(message, feedback_bytes_);
+  if (id && *id != goal_->id) return;
   listener_.feedback_came(feedback_bytes_);
 }
 
 void RemoteAction::take_status(std::span<const std::byte> message) {
-  const auto all = status_->decode(message);
+  const auto all = messages_.status.decode(message);
   if (!all) return;
   const segue::Lock lock(mutex_);
   if (!goal_) return;
-  const Value own = *id_request(goal_->id).find("goal_id");
   for (const Value& one : all->find("status_list")->as_list()) {
-    if (*one.find("goal_info")->find("goal_id") != own) continue;
+    if (goal_id_of(*one.find("goal_info")) != goal_->id) continue;
     const auto status = one.find("status")->as_int();
     if (status < 1 || status > 6) return;
     // Its end comes with its result, for which it is asked again only where the response may have been lost.

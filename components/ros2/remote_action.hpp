@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "action_messages.hpp"
 #include "requester.hpp"
 
 #include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
-#include <segue/ros2/message_codec.hpp>
 #include <segue/type/value.hpp>
 
 #include <atomic>
@@ -21,25 +21,6 @@
 #include <vector>
 
 namespace ros2 {
-
-/// How far a goal is. Up to Aborted the numbers are those of action_msgs/msg/GoalStatus.
-enum class GoalState : std::uint8_t {
-  None = 0,  ///< there is no goal
-  Accepted = 1,
-  Executing = 2,
-  Canceling = 3,
-  Succeeded = 4,
-  Canceled = 5,
-  Aborted = 6,
-  Refused,  ///< the server did not accept it
-  Lost,     ///< how it goes on or ended is not known
-  Asked     ///< the server has not answered yet
-};
-
-/// Whether the server still has something to do for it.
-inline bool is_active(GoalState state) {
-  return state == GoalState::Asked || (state >= GoalState::Accepted && state <= GoalState::Canceling);
-}
 
 /// Who follows a goal. Called by one thread at a time, which holds the lock of the RemoteAction: must not
 /// call it.
@@ -86,13 +67,11 @@ class RemoteAction {
   segue::Result<void> cancel(segue::TimePoint deadline);
 
   [[nodiscard]] std::uint32_t servers() const { return get_result_->servers(); }
-  [[nodiscard]] const segue::ros2::MessageCodec& feedback() const { return *feedback_; }
-  [[nodiscard]] const segue::ros2::MessageCodec& result() const { return *result_; }
+  [[nodiscard]] const ActionMessages& messages() const { return messages_; }
   [[nodiscard]] std::vector<segue::ros2::Gid> publishers() const;
   [[nodiscard]] std::vector<segue::ros2::Gid> subscriptions() const;
 
  private:
-  using GoalId = segue::ros2::Gid;
   struct Goal {
     GoalId id{};
     GoalState state = GoalState::Asked;
@@ -106,9 +85,8 @@ class RemoteAction {
   };
   class Messages;
 
-  RemoteAction(std::shared_ptr<Participant> participant, std::string action, GoalListener& listener);
-  segue::Result<void> open(segue::ros2::InterfaceLibrary& library, const std::string& interface);
-  static segue::type::Value id_request(const GoalId& id);
+  RemoteAction(std::shared_ptr<Participant> participant, ActionMessages messages, GoalListener& listener);
+  segue::Result<void> open(segue::ros2::InterfaceLibrary& library);
   static segue::type::Value cancel_request(const GoalId& id);
 
   segue::Result<void> await_server(segue::TimePoint deadline);
@@ -134,12 +112,9 @@ class RemoteAction {
   void change(GoalState state) SEGUE_REQUIRES(mutex_);
 
   const std::shared_ptr<Participant> participant_;
-  const std::string action_;
+  const ActionMessages messages_;
+  const std::string action_;  ///< its name
   GoalListener& listener_;
-  std::optional<segue::ros2::MessageCodec> goal_message_;
-  std::optional<segue::ros2::MessageCodec> feedback_;
-  std::optional<segue::ros2::MessageCodec> result_;
-  std::optional<segue::ros2::MessageCodec> status_;
   segue::Mutex mutex_;
   segue::ConditionVariable changed_;
   bool takes_goals_ SEGUE_GUARDED_BY(mutex_) = false;

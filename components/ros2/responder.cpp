@@ -16,14 +16,15 @@ namespace ros2 {
 segue::Result<std::unique_ptr<Responder>> Responder::make(std::shared_ptr<Participant> participant,
                                                           segue::ros2::InterfaceLibrary& library,
                                                           const std::string& service,
-                                                          const std::string& interface, Take take) {
+                                                          const std::string& interface, Take take,
+                                                          std::uint32_t depth) {
   auto request = segue::ros2::MessageCodec::of(library, interface + "_Request");
   if (!request) return request.error();
   auto response = segue::ros2::MessageCodec::of(library, interface + "_Response");
   if (!response) return response.error();
   std::unique_ptr<Responder> made(
       new Responder(std::move(participant), std::move(*request), std::move(*response), std::move(take)));
-  if (auto opened = made->open(service); !opened) return opened.error();
+  if (auto opened = made->open(service, depth); !opened) return opened.error();
   return made;
 }
 
@@ -34,7 +35,7 @@ Responder::Responder(std::shared_ptr<Participant> participant, segue::ros2::Mess
       response_(std::move(response)),
       take_(std::move(take)) {}
 
-segue::Result<void> Responder::open(const std::string& service) {
+segue::Result<void> Responder::open(const std::string& service, std::uint32_t depth) {
   auto request_topic = segue::ros2::dds_request_name(service);
   if (!request_topic) return request_topic.error();
   auto response_topic = segue::ros2::dds_response_name(service);
@@ -44,12 +45,14 @@ segue::Result<void> Responder::open(const std::string& service) {
   const auto user_data = [&](const segue::ros2::MessageCodec& message) {
     return server + "typehash=" + message.type_hash() + ";";
   };
-  auto writer = participant_->make_acknowledged_writer({response_topic_, response_.dds_type()}, {},
-                                                       user_data(response_), nullptr);
+  segue::ros2::Quality quality;
+  quality.depth = depth;
+  auto writer = participant_->make_acknowledged_writer({response_topic_, response_.dds_type()}, quality,
+                                                       user_data(response_), this);
   if (!writer) return writer.error();
   writer_ = std::move(*writer);
   auto reader =
-      participant_->make_reader({*request_topic, request_.dds_type()}, {}, user_data(request_), this);
+      participant_->make_reader({*request_topic, request_.dds_type()}, quality, user_data(request_), this);
   if (!reader) return reader.error();
   reader_ = std::move(*reader);
   return {};
@@ -80,18 +83,39 @@ void Responder::on_data_available(dds::DataReader* reader) {
   }
 }
 
+bool Responder::sees(const Caller& caller) const {
+  return std::ranges::any_of(
+      participant_->graph().endpoints(response_topic_, false),
+      [&](const auto& endpoint) { return segue::ros2::same_participant(endpoint.gid, caller.writer); });
+}
+
+/// Both ends must know each other. That the reader is discovered is told before the writer sends to it.
 bool Responder::reaches(const Caller& caller) const {
-  return std::ranges::any_of(participant_->graph().endpoints(response_topic_, false),
-                             [&](const auto& endpoint) {
-                               return segue::ros2::same_participant(endpoint.gid, caller.writer) &&
-                                      participant_->has_acknowledged(endpoint.gid, publisher());
-                             });
+  const segue::Lock lock(matched_mutex_);
+  return std::ranges::any_of(matched_, [&](const auto& reader) {
+    return segue::ros2::same_participant(reader, caller.writer) &&
+           participant_->has_acknowledged(reader, publisher());
+  });
+}
+
+void Responder::on_publication_matched(dds::DataWriter*, const dds::PublicationMatchedStatus& status) {
+  const auto reader = gid_of(eprosima::fastrtps::rtps::iHandle2GUID(status.last_subscription_handle));
+  const segue::Lock lock(matched_mutex_);
+  if (status.current_count_change > 0) {
+    matched_.insert(reader);
+  } else {
+    matched_.erase(reader);
+  }
 }
 
 bool Responder::respond(const Caller& caller, std::span<const std::byte> response,
                         segue::TimePoint deadline) {
   while (!reaches(caller) && segue::monotonic_now() < deadline)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return send(caller, response);
+}
+
+bool Responder::send(const Caller& caller, std::span<const std::byte> response) {
   if (segue::ros2::mapping_of(caller.writer) == segue::ros2::ServiceMapping::Cyclone) {
     const auto bytes = segue::ros2::with_request_id(caller.id, response);
     BytesSource source(bytes);

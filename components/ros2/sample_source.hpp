@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace ros2 {
 
@@ -38,5 +39,14 @@ class SampleSource final : public MessageSource {
   const segue::task::SampleSlot& sample_;
   const std::size_t size_;
 };
+
+/// Empty where it cannot be sent.
+inline std::vector<std::byte> cdr_of(const segue::ros2::MessageCodec& message,
+                                     const segue::task::SampleSlot& sample) {
+  if (sample.value == nullptr) return {};
+  const SampleSource source(message, sample);
+  std::vector<std::byte> bytes(source.size());
+  return !bytes.empty() && source.write(bytes) ? bytes : std::vector<std::byte>();
+}
 
 }  // namespace ros2

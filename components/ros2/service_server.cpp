@@ -2,17 +2,14 @@
 #include "cdr_output.hpp"
 #include "node_task.hpp"
 #include "responder.hpp"
+#include "sample_handover.hpp"
 #include "sample_source.hpp"
 #include "types.hpp"
 
-#include <segue/base/descriptor.hpp>
 #include <segue/concurrent/thread.hpp>
 #include <segue/task/any_port.hpp>
 #include <segue/task/operation.hpp>
 
-#include <sys/eventfd.h>
-
-#include <atomic>
 #include <chrono>
 #include <deque>
 #include <memory>
@@ -41,7 +38,6 @@ class ServiceServer final : public NodeTask {
     dynamic_ports(Direction::Output, "request", "its type is of the property type");
     dynamic_ports(Direction::Input, "response", "its type is of the property type");
   }
-  ~ServiceServer() override { SampleRef::adopt(answer_.exchange(nullptr)); }
 
  protected:
   segue::Result<void> on_configure() override {
@@ -52,9 +48,7 @@ class ServiceServer final : public NodeTask {
     auto made = Responder::make(
         shared_participant(), interfaces, *service_, *type_,
         [this](const Caller& caller, std::vector<std::byte> request) { take(caller, std::move(request)); });
-    wake_ = segue::Descriptor(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
-    if (made && !wake_.valid())
-      made = segue::fail(segue::ErrorCode::Unavailable, "the system has no descriptor left");
+    if (auto opened = waker_.open(); made && !opened) made = opened.error();
     if (!made) {
       leave();
       return made.error();
@@ -82,8 +76,8 @@ class ServiceServer final : public NodeTask {
     SampleRef sample = response_->take();
     if (!sample) return;
     // One that has not been looked at yet was for no request.
-    SampleRef::adopt(answer_.exchange(sample.detach()));
-    ring();
+    answer_.give(std::move(sample));
+    waker_.wake();
   }
 
   void on_stop() override {
@@ -92,9 +86,9 @@ class ServiceServer final : public NodeTask {
       serves_ = false;
       waiting_.clear();
     }
-    ring();
+    waker_.wake();
     thread_.join();
-    SampleRef::adopt(answer_.exchange(nullptr));
+    answer_.take();
   }
 
   void on_cleanup() override {
@@ -111,8 +105,6 @@ class ServiceServer final : public NodeTask {
     std::vector<std::byte> request;
   };
 
-  void ring() const { ::eventfd_write(wake_.get(), 1); }
-
   /// In a thread of Fast DDS.
   void take(const Caller& caller, std::vector<std::byte> request) {
     const segue::Lock lock(mutex_);
@@ -125,7 +117,7 @@ class ServiceServer final : public NodeTask {
       return;
     }
     waiting_.push_back({caller, std::move(request)});
-    ring();
+    waker_.wake();
   }
 
   /// The thread of its own.
@@ -133,10 +125,8 @@ class ServiceServer final : public NodeTask {
     std::optional<Caller> current;
     segue::TimePoint give_up{};
     while (serves()) {
-      segue::wait_for_input(wake_.get(), current ? segue::Deadline(give_up) : segue::Deadline(kIdle));
-      eventfd_t rings = 0;
-      ::eventfd_read(wake_.get(), &rings);
-      if (const SampleRef sample = SampleRef::adopt(answer_.exchange(nullptr)); sample) {
+      waker_.wait(current ? segue::Deadline(give_up) : segue::Deadline(kIdle));
+      if (const SampleRef sample = answer_.take(); sample) {
         answer(current, *sample.get());
         current.reset();
       } else if (current && segue::monotonic_now() >= give_up) {
@@ -177,10 +167,9 @@ class ServiceServer final : public NodeTask {
 
   void answer(const std::optional<Caller>& caller, const SampleSlot& sample) {
     if (!caller) return count(&ServerStatistics::unasked);
-    const SampleSource source(responder_->response(), sample);
-    std::vector<std::byte> message(source.size());
-    const bool fits = !message.empty() && source.write(message);
-    const bool sent = fits && responder_->respond(*caller, message, segue::monotonic_now() + kIdle);
+    const auto message = cdr_of(responder_->response(), sample);
+    const bool sent =
+        !message.empty() && responder_->respond(*caller, message, segue::monotonic_now() + kIdle);
     count(sent ? &ServerStatistics::responses : &ServerStatistics::unsent);
   }
 
@@ -215,8 +204,8 @@ class ServiceServer final : public NodeTask {
                                             [this] { return statistics(); },
                                             RunsIn::CallerThread,
                                             "what was served so far"};
-  segue::Descriptor wake_;
-  std::atomic<SampleSlot*> answer_{nullptr};  ///< a counted reference
+  ThreadWaker waker_;
+  SampleHandover answer_;
   segue::Mutex mutex_;
   bool serves_ SEGUE_GUARDED_BY(mutex_) = false;
   std::deque<Waiting> waiting_ SEGUE_GUARDED_BY(mutex_);

@@ -97,6 +97,19 @@ struct ActionStatistics {
 };
 
 /// All counted since the task was configured.
+struct ActionServerStatistics {
+  std::uint64_t goals = 0;     ///< that were accepted
+  std::uint64_t rejected = 0;  ///< goals that were not
+  std::uint64_t feedback = 0;  ///< that was sent
+  std::uint64_t refused = 0;   ///< requests when too many waited
+  std::uint64_t corrupt = 0;   ///< requests that are no such messages
+  std::uint64_t unsent = 0;    ///< feedback and results that exceed a bound, or that Fast DDS does not take
+  std::uint64_t unasked = 0;   ///< feedback and results when no goal was under way
+  std::uint32_t waiting = 0;   ///< requests now for results that have not come yet
+  std::uint32_t clients = 0;   ///< now
+};
+
+/// All counted since the task was configured.
 struct ServerStatistics {
   std::uint64_t requests = 0;    ///< that were written to `request`
   std::uint64_t responses = 0;   ///< that were sent
@@ -118,6 +131,8 @@ SEGUE_TYPE(SubscribedStatistics, port, topic, counts)
 SEGUE_TYPE(NodeStatistics, publishes, subscribes)
 SEGUE_TYPE(ServerStatistics, requests, responses, refused, corrupt, unsent, unanswered, unasked, early,
            waiting, clients)
+SEGUE_TYPE(ActionServerStatistics, goals, rejected, feedback, refused, corrupt, unsent, unasked, waiting,
+           clients)
 SEGUE_TYPE(ActionStatistics, goals, feedback, corrupt, servers)
 
 }  // namespace ros2

@@ -66,7 +66,6 @@ struct ComponentOptions {
   std::vector<std::string> claims{};          ///< devices that one configured task at a time may hold
   std::vector<std::string> trigger_on{};   ///< port-driven: inputs that do, unless the network says; else all
   std::vector<std::string> descriptors{};  ///< by name, of trigger_fd(): a network may choose among them
-  bool samples_trigger = false;            ///< of a task driven by descriptors: samples at its inputs do, too
 };
 
 /// A unit of robot software: derive, add ports, properties and operations as members, override hooks, and
@@ -153,9 +152,9 @@ class Component {
   void log(LogLevel level, std::string_view message) const;
   [[nodiscard]] TimePoint now() const;
   [[nodiscard]] const std::string& id() const;
-  /// FileDescriptorDriven tasks, in on_start: update whenever `descriptor` is readable. Several may be given;
-  /// stop forgets them. The component owns them and closes none before on_stop. Where the network says which
-  /// descriptors drive the task, the others, by their names, are left out.
+  /// In on_start: update whenever `descriptor` is readable (a PortDriven task: then, too). Several may be
+  /// given; stop forgets them. The component keeps ownership and must not close one before on_stop. Where the
+  /// network says which descriptors drive the task, the others are left out. InvalidState: it is Periodic.
   Result<void> trigger_fd(int descriptor, std::string_view name = {});
 
  private:

@@ -118,6 +118,43 @@ TEST_F(TwoDevices, MustBeKnownAndGiven) {
               HasSubstr("do not name the descriptor 'lefd', did you mean 'left'?"));
 }
 
+class PortAndDescriptor : public test::TaskTest {
+ protected:
+  ~PortAndDescriptor() override { close(event); }
+  int event = eventfd(0, EFD_NONBLOCK);
+};
+
+TEST_F(PortAndDescriptor, DriveAPortDrivenTask) {
+  Activity activity;
+  activity.triggers = {"input"};
+  make(activity);
+  ASSERT_TRUE(task->configure(soon()));
+  int updates = 0;
+  probe->act = [&](const std::string& hook) -> Result<void> {
+    if (hook == "start") return probe->trigger_fd(event);
+    eventfd_t value = 0;
+    if (hook == "update" && eventfd_read(event, &value) == 0) ++updates;
+    return {};
+  };
+  ASSERT_TRUE(task->start(soon()));
+  executor->run_ready();
+  EXPECT_EQ(updates, 0);
+  eventfd_write(event, 1);
+  executor->run_ready();
+  EXPECT_EQ(updates, 1);
+}
+
+TEST_F(PortAndDescriptor, OfWhichTheLatterDoesNotDriveAPeriodicTask) {
+  make(periodic(10ms));
+  ASSERT_TRUE(task->configure(soon()));
+  probe->act = [&](const std::string& hook) -> Result<void> {
+    return hook == "start" ? probe->trigger_fd(event) : Result<void>{};
+  };
+  const Result<void> started = task->start(soon());
+  ASSERT_FALSE(started);
+  EXPECT_THAT(to_string(started.error()), HasSubstr("driven by file descriptors or by ports"));
+}
+
 TEST_F(Descriptor, DescriptorThatCannotBeWatchedRefusesTheStart) {
   auto component = std::make_unique<test::Probe>();
   test::Probe* probe = component.get();

@@ -185,10 +185,10 @@ Result<void> Task::Implementation::refused(std::string_view hook_name, Error why
 }
 
 Result<void> Task::Implementation::trigger_fd(int descriptor, std::string_view descriptor_name) {
-  if (!starting || activity.trigger != Trigger::FileDescriptorDriven) {
+  if (!starting || activity.trigger == Trigger::Periodic) {
     return fail(ErrorCode::InvalidState,
-                "trigger_fd() can only be called in on_start of a task that is driven by file descriptors; "
-                "this one is " +
+                "trigger_fd() can only be called in on_start of a task that is driven by file descriptors or "
+                "by ports; this one is " +
                     std::string(to_string(activity.trigger)),
                 name);
   }
@@ -200,7 +200,9 @@ Result<void> Task::Implementation::trigger_fd(int descriptor, std::string_view d
                 name);
   }
   given_descriptors.emplace(descriptor_name);
-  if (activity.triggers.empty() || activity.triggers.contains(std::string(descriptor_name)))
+  // Those of a task that is driven by ports name inputs.
+  if (activity.trigger == Trigger::PortDriven || activity.triggers.empty() ||
+      activity.triggers.contains(std::string(descriptor_name)))
     descriptors.push_back(descriptor);
   return {};
 }
@@ -228,23 +230,22 @@ Result<void> Task::Implementation::arm() {
           "there is no input port " + quote(port) + " to trigger the task" + did_you_mean(port, names), name);
     }
   }
-  if (activity.trigger == Trigger::FileDescriptorDriven && component->options().samples_trigger)
-    trigger_inputs = component->inputs();
   for (InputPortBase* input : trigger_inputs)
     InputPortAccess::set_listener(*input, this);
-  return activity.trigger == Trigger::FileDescriptorDriven ? watch_descriptors() : Result<void>{};
+  return watch_descriptors();
 }
 
 Result<void> Task::Implementation::watch_descriptors() {
+  const bool must_have_some = activity.trigger == Trigger::FileDescriptorDriven;
   for (const std::string& wanted : activity.triggers) {
-    if (given_descriptors.contains(wanted)) continue;
+    if (!must_have_some || given_descriptors.contains(wanted)) continue;
     return fail(ErrorCode::NotFound,
                 "on_start gave no file descriptor " + quote(wanted) + " to trigger the task", name);
   }
   for (const int descriptor : descriptors) {
     if (auto watched = executor->watch(*this, descriptor); !watched) return watched;
   }
-  if (descriptors.empty()) {
+  if (must_have_some && descriptors.empty()) {
     segue::log(LogLevel::Warning, name,
                "is driven by file descriptors, but on_start gave none, so it never updates");
   }

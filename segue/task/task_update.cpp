@@ -43,9 +43,9 @@ void Task::Implementation::announce_update() noexcept {
     case Trigger::Periodic:
       return now >= due_at;
     case Trigger::PortDriven:
-      return (reasons & Job::kSample) != 0 || now >= next_timeout();
+      return (reasons & (Job::kSample | Job::kDescriptor)) != 0 || now >= next_timeout();
     case Trigger::FileDescriptorDriven:
-      return (reasons & (Job::kDescriptor | Job::kSample)) != 0 || now >= next_timeout();
+      return (reasons & Job::kDescriptor) != 0 || now >= next_timeout();
   }
   return false;
 }
