@@ -48,8 +48,8 @@ segue::Result<void> Responder::open(const std::string& service) {
                                                        user_data(response_), nullptr);
   if (!writer) return writer.error();
   writer_ = std::move(*writer);
-  auto reader =
-      participant_->make_reader({*request_topic, request_.dds_type()}, {}, user_data(request_), this);
+  auto reader = participant_->make_reader({*request_topic, request_.dds_type()}, {}, user_data(request_),
+                                          this, Participant::Memory::AsNeeded);
   if (!reader) return reader.error();
   reader_ = std::move(*reader);
   return {};

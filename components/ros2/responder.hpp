@@ -47,6 +47,8 @@ class Responder final : private dds::DataReaderListener {
   /// that is sent before is lost. Not for threads of Fast DDS. False: Fast DDS does not take it.
   bool respond(const Caller& caller, std::span<const std::byte> response, segue::TimePoint deadline);
 
+  /// Whether that client gets responses now.
+  [[nodiscard]] bool reaches(const Caller& caller) const;
   /// How many there are whose requests come.
   [[nodiscard]] std::uint32_t clients() const {
     return static_cast<std::uint32_t>(std::max(clients_.load(), 0));
@@ -60,7 +62,6 @@ class Responder final : private dds::DataReaderListener {
   Responder(std::shared_ptr<Participant> participant, segue::ros2::MessageCodec request,
             segue::ros2::MessageCodec response, Take take);
   segue::Result<void> open(const std::string& service);
-  [[nodiscard]] bool reaches(const Caller& caller) const;
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
     clients_ = status.current_count;
