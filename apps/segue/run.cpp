@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/log.hpp>
 #include <segue/base/mutex.hpp>
+#include <segue/base/robot_name.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
 #include <segue/model/robot.hpp>
@@ -170,6 +171,7 @@ int serve(EmbeddedRobot& robot, const RunOptions& options, StopSignal& stop, con
   const auto socket = control::socket_path(robot.robot().name);
   if (!socket) return failed(context, socket.error());
   runtime::RuntimeService service(runtime, &robot.files(), [&stop] { stop.request("asked to end"); });
+  set_robot_of_process(robot.robot().name);
   // Requested before the server accepts requests of others.
   std::future<runtime::SwitchResult> first;
   if (!options.controller.empty()) first = runtime.request(model::NetworkName(options.controller));

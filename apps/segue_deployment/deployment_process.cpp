@@ -2,6 +2,7 @@
 #include "deployment_process.hpp"
 
 #include <segue/base/log.hpp>
+#include <segue/base/robot_name.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/server.hpp>
 #include <segue/deploy/local_deployment.hpp>
@@ -182,6 +183,7 @@ int deployment_process(PreparedProcess prepared) {
   const auto assignment = process_server::read_assignment(process_server::kAssignment);
   if (!assignment) return give_up(process_server::kWrongUse, assignment.error());
   set_log_level(level_of(assignment->launch.log_level));
+  set_robot_of_process(assignment->launch.robot);
   process.begin(assignment->socket, SEGUE_VERSION);
   if (const auto applied = process_server::apply_to_this_process(assignment->launch); !applied) {
     return give_up(process_server::kNotPermitted, applied.error());

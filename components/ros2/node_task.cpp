@@ -16,7 +16,8 @@ using segue::ErrorCode;
 using segue::fail;
 using segue::quote;
 
-/// The id of a task, such as "front.camera", as the name of a node.
+}  // namespace
+
 std::string node_name_of(std::string_view task) {
   std::string name(task);
   std::ranges::replace_if(
@@ -27,8 +28,6 @@ std::string node_name_of(std::string_view task) {
       '_');
   return name;
 }
-
-}  // namespace
 
 segue::Result<void> NodeTask::name_node(std::string_view prefix) {
   const std::string text = node_text_->empty() ? std::string(prefix) + node_name_of(id()) : *node_text_;

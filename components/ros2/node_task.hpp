@@ -15,6 +15,9 @@
 
 namespace ros2 {
 
+/// The id of a task, such as "front.camera", as the name of a node.
+std::string node_name_of(std::string_view task);
+
 /// A task that is a node of ROS 2 for others.
 class NodeTask : public segue::task::Component {
  protected:
@@ -28,6 +31,9 @@ class NodeTask : public segue::task::Component {
   void withdraw();
   /// Undoes join(); the endpoints must have been deleted.
   void leave();
+
+  /// "/robot/scan"; after join().
+  [[nodiscard]] std::string node_name() const { return full_name(node_); }
 
   [[nodiscard]] segue::ros2::InterfaceLibrary library() const;
   /// In hooks, between join() and leave().

@@ -302,11 +302,13 @@ void Participant::leave(const std::string& topic) {
 
 segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_writer(
     const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
-    dds::DataWriterListener* listener) {
+    dds::DataWriterListener* listener, Memory memory) {
   const segue::Lock lock(entities_mutex_);
   auto topic = use(name);
   if (!topic) return topic.error();
-  auto* made = publisher_->create_datawriter(*topic, writer_quality(quality, user_data), listener);
+  dds::DataWriterQos wanted = writer_quality(quality, user_data);
+  if (memory == Memory::AsNeeded) wanted.resource_limits().allocated_samples = 1;
+  auto* made = publisher_->create_datawriter(*topic, wanted, listener);
   if (made != nullptr) {
     return Owned<dds::DataWriter>(made, [this, topic = name.topic](dds::DataWriter* writer) {
       const segue::Lock deleting(entities_mutex_);
@@ -322,11 +324,13 @@ segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_writer(
 
 segue::Result<Participant::Owned<dds::DataReader>> Participant::make_reader(
     const TopicName& name, const segue::ros2::Quality& quality, const std::string& user_data,
-    dds::DataReaderListener* listener) {
+    dds::DataReaderListener* listener, Memory memory) {
   const segue::Lock lock(entities_mutex_);
   auto topic = use(name);
   if (!topic) return topic.error();
-  auto* made = subscriber_->create_datareader(*topic, reader_quality(quality, user_data), listener);
+  dds::DataReaderQos wanted = reader_quality(quality, user_data);
+  if (memory == Memory::AsNeeded) wanted.resource_limits().allocated_samples = 1;
+  auto* made = subscriber_->create_datareader(*topic, wanted, listener);
   if (made != nullptr) {
     return Owned<dds::DataReader>(made, [this, topic = name.topic](dds::DataReader* reader) {
       const segue::Lock deleting(entities_mutex_);
@@ -424,7 +428,7 @@ segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_acknowledge
     const segue::Lock lock(acknowledged_mutex_);
     ++being_made_;
   }
-  auto writer = make_writer(name, quality, user_data, listener);
+  auto writer = make_writer(name, quality, user_data, listener, Memory::AsNeeded);
   const segue::Lock lock(acknowledged_mutex_);
   --being_made_;
   if (writer) {

@@ -60,22 +60,27 @@ class Participant final : private dds::DomainParticipantListener,
   /// Fast DDS.
   template <class Entity>
   using Owned = std::unique_ptr<Entity, std::function<void(Entity*)>>;
+  /// When the memory for samples is allocated: before the first one, or with each for which there is none,
+  /// which costs a third of the memory where hardly anything is sent.
+  enum class Memory : std::uint8_t { Ahead, AsNeeded };
   segue::Result<Owned<dds::DataWriter>> make_writer(const TopicName& name,
                                                     const segue::ros2::Quality& quality,
                                                     const std::string& user_data,
-                                                    dds::DataWriterListener* listener);
+                                                    dds::DataWriterListener* listener,
+                                                    Memory memory = Memory::Ahead);
   segue::Result<Owned<dds::DataReader>> make_reader(const TopicName& name,
                                                     const segue::ros2::Quality& quality,
                                                     const std::string& user_data,
-                                                    dds::DataReaderListener* listener);
+                                                    dds::DataReaderListener* listener,
+                                                    Memory memory = Memory::Ahead);
 
   /// Tells others of a node of this process, in place of what they were told of it.
   void announce(const segue::ros2::NodeEntities& node);
   void withdraw(const segue::ros2::NodeEntities& node);
 
-  /// make_writer(), where it is known which readers of others have matched the writer, until that is
-  /// forgotten; watchers are told of changes. (That this participant has matched a reader does not mean the
-  /// reverse, and until then the reader gets nothing. A reader says it once.)
+  /// make_writer() with memory as needed, where it is known which readers of others have matched the writer,
+  /// until that is forgotten; watchers are told of changes. (That this participant has matched a reader does
+  /// not mean the reverse, and until then the reader gets nothing. A reader says it once.)
   segue::Result<Owned<dds::DataWriter>> make_acknowledged_writer(const TopicName& name,
                                                                  const segue::ros2::Quality& quality,
                                                                  const std::string& user_data,

@@ -72,8 +72,8 @@ segue::Result<void> Requester::open() {
   const auto user_data = [&](const segue::ros2::MessageCodec& message) {
     return client + "typehash=" + message.type_hash() + ";";
   };
-  auto reader =
-      participant_->make_reader({response_topic_, response_.dds_type()}, quality, user_data(response_), this);
+  auto reader = participant_->make_reader({response_topic_, response_.dds_type()}, quality,
+                                          user_data(response_), this, Participant::Memory::AsNeeded);
   if (!reader) return reader.error();
   auto writer = participant_->make_acknowledged_writer({request_topic_, request_.dds_type()}, quality,
                                                        user_data(request_), this);

@@ -51,8 +51,8 @@ segue::Result<void> Responder::open(const std::string& service, std::uint32_t de
                                                        user_data(response_), this);
   if (!writer) return writer.error();
   writer_ = std::move(*writer);
-  auto reader =
-      participant_->make_reader({*request_topic, request_.dds_type()}, quality, user_data(request_), this);
+  auto reader = participant_->make_reader({*request_topic, request_.dds_type()}, quality, user_data(request_),
+                                          this, Participant::Memory::AsNeeded);
   if (!reader) return reader.error();
   reader_ = std::move(*reader);
   return {};

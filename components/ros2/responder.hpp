@@ -57,7 +57,6 @@ class Responder final : private dds::DataReaderListener, private dds::DataWriter
   [[nodiscard]] bool reaches(const Caller& caller) const;
   /// Whether the client is seen, though it may not get responses yet.
   [[nodiscard]] bool sees(const Caller& caller) const;
-
   /// How many there are whose requests come.
   [[nodiscard]] std::uint32_t clients() const {
     return static_cast<std::uint32_t>(std::max(clients_.load(), 0));

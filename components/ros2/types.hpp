@@ -123,6 +123,16 @@ struct ServerStatistics {
   std::uint32_t clients = 0;     ///< now
 };
 
+/// All counted since the task was started.
+struct ExposureStatistics {
+  std::uint64_t requests = 0;   ///< that were carried out, or refused with a reason
+  std::uint64_t responses = 0;  ///< that were sent
+  std::uint64_t dropped = 0;    ///< requests when too many waited, or that had waited too long
+  std::uint64_t corrupt = 0;    ///< requests that are no such messages
+  std::uint64_t unsent = 0;  ///< responses that a client did not get in time, or that Fast DDS does not take
+  std::uint32_t nodes = 0;   ///< tasks that are nodes now
+};
+
 SEGUE_TYPE(PublisherStatistics, sent, refused, bytes, missed, matched, mismatched)
 SEGUE_TYPE(SubscriptionStatistics, received, early, refused, lost, corrupt, foreign, bytes, missed, matched,
            mismatched)
@@ -133,6 +143,7 @@ SEGUE_TYPE(ServerStatistics, requests, responses, refused, corrupt, unsent, unan
            waiting, clients)
 SEGUE_TYPE(ActionServerStatistics, goals, rejected, feedback, refused, corrupt, unsent, unasked, waiting,
            clients)
+SEGUE_TYPE(ExposureStatistics, requests, responses, dropped, corrupt, unsent, nodes)
 SEGUE_TYPE(ActionStatistics, goals, feedback, corrupt, servers)
 
 }  // namespace ros2

@@ -64,15 +64,14 @@ Result<void> append(Value::List& parameters, const Value& value, const std::stri
     }
     return {};
   }
-  const auto kind = value.is_list() ? list_kind(value.as_list()) : scalar_kind(value);
-  if (!kind || name.empty()) {
+  auto message = parameter_value(value);
+  if (!message || name.empty()) {
     return fail(
         ErrorCode::InvalidArgument,
         std::string(path) + (name.empty() ? "" : "." + name) + ": expected " +
             (name.empty() ? "a map of parameters" : "a bool, a number, a text, or a list of one of these"));
   }
-  parameters.push_back(
-      Value::map({{"name", name}, {"value", Value::map({{"type", kind->number}, {kind->field, value}})}}));
+  parameters.push_back(Value::map({{"name", name}, {"value", std::move(*message)}}));
   return {};
 }
 
@@ -113,6 +112,12 @@ std::string yaml_text(const Value& value) {
 
 std::string parameter_file(std::string_view node, const Value& parameters) {
   return type::to_json(Value(node), 0) + ": {\"ros__parameters\": " + yaml_text(parameters) + "}\n";
+}
+
+std::optional<Value> parameter_value(const Value& value) {
+  const auto kind = value.is_list() ? list_kind(value.as_list()) : scalar_kind(value);
+  if (!kind) return {};
+  return Value::map({{"type", kind->number}, {kind->field, value}});
 }
 
 Result<Value> parameters_request(const Value& parameters, std::string_view path) {

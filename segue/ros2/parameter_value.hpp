@@ -5,6 +5,7 @@
 #include <segue/type/value.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,10 @@ Result<type::Value> parameters_request(const type::Value& parameters, std::strin
 /// take with
 /// --params-file. `parameters` must be one that parameters_request() takes.
 std::string parameter_file(std::string_view node, const type::Value& parameters);
+
+/// A value as rcl_interfaces/msg/ParameterValue; nothing where no parameter can have it (null, maps, lists of
+/// lists or of different kinds, numbers above those of int64).
+std::optional<type::Value> parameter_value(const type::Value& value);
 
 /// A parameter from its rcl_interfaces/msg/ParameterValue, which may be of a later version: null where it is
 /// not set or of no known kind.

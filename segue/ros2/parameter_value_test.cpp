@@ -47,6 +47,15 @@ TEST(ParameterValues, OfMapsWithinHaveNamesWithDots) {
   EXPECT_EQ(all.as_list().front().find("name")->as_string(), "controller.pid.gain");
 }
 
+TEST(ParameterValues, OfSingleValuesAreThereWhereThereIsACounterpart) {
+  EXPECT_EQ(parameter_value(0.5), Value::map({{"type", 3}, {"double_value", 0.5}}));
+  EXPECT_EQ(parameter_value(Value::list({"a"})),
+            Value::map({{"type", 9}, {"string_array_value", Value::list({"a"})}}));
+  EXPECT_EQ(parameter_value(std::numeric_limits<std::uint64_t>::max()), std::nullopt);
+  EXPECT_EQ(parameter_value(Value::map({{"p", 0.5}})), std::nullopt);
+  EXPECT_EQ(parameter_value(Value()), std::nullopt);
+}
+
 TEST(ParameterValues, ThatNoParameterCanHaveAreRefused) {
   const auto error = [](const Value& parameters) {
     return parameters_request(parameters, "parameters").error().message;

@@ -116,6 +116,14 @@ Value port_value(const model::PortModel& port) {
                      {"doc", port.doc}});
 }
 
+Value property_value(const model::PropertyModel& property) {
+  return Value::map({{"name", property.name},
+                     {"type", property.type},
+                     {"default", property.default_value},
+                     {"live", property.live},
+                     {"doc", property.doc}});
+}
+
 Value operation_value(const model::OperationModel& operation) {
   return Value::map(
       {{"name", operation.name},
@@ -478,6 +486,7 @@ Result<Value> task_report(Runtime& runtime, const model::TaskId& task) {
   map.set("doc", model->doc);
   map.set("ports", list_of(model->ports, port_value));
   map.set("properties", std::move(*properties));
+  map.set("property_models", list_of(model->properties, property_value));
   map.set("operations", list_of(model->operations, operation_value));
   map.set("timing", timing_value(report->timing));
   if (details) {  // else its process runs an older segue

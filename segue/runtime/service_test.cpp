@@ -158,6 +158,11 @@ TEST_F(Service, GivesAccessToSingleTasks) {
     EXPECT_TRUE(histograms.find(what)->find("bins")->is_list()) << what;
   }
   EXPECT_EQ(task->find("ports")->as_list().size(), 2U) << "state and out";
+  const auto& models = task->find("property_models")->as_list();
+  const auto model = std::ranges::find_if(
+      models, [](const type::Value& one) { return *one.find("name") == type::Value("stand_in"); });
+  ASSERT_NE(model, models.end());
+  EXPECT_EQ(*model->find("live"), type::Value(true));
   EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {}, soon()));
   EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, {}, soon()));
   EXPECT_FALSE(service_.call("a", "nothing", {}, {}, soon()));

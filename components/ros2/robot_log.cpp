@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "robot_log.hpp"
+
+#include <segue/base/condition_variable.hpp>
+#include <segue/concurrent/thread.hpp>
+
+#include <ctime>
+#include <string_view>
+
+namespace ros2 {
+
+using segue::LogLevel;
+using segue::type::Value;
+using LogTime = std::chrono::system_clock::time_point;
+
+namespace {
+
+/// How often the robot is asked.
+constexpr std::chrono::seconds kLogPeriod{1};
+/// Older lines would have left /rosout already.
+constexpr std::chrono::seconds kLineAge{10};
+
+/// The inverse of segue::iso_time(); now where it is none.
+LogTime log_time(const std::string& text) {
+  std::tm parts{};
+  const char* rest = ::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%S", &parts);
+  if (rest == nullptr) return std::chrono::system_clock::now();
+  int milliseconds = 0;
+  if (std::string_view(rest).size() >= 4 && *rest == '.') {
+    for (int i = 1; i <= 3; ++i)
+      milliseconds = 10 * milliseconds + (rest[i] - '0');
+  }
+  return std::chrono::system_clock::from_time_t(::timegm(&parts)) + std::chrono::milliseconds(milliseconds);
+}
+
+LogLevel log_level(std::string_view text) {
+  for (const LogLevel level : {LogLevel::Debug, LogLevel::Warning, LogLevel::Error}) {
+    if (segue::to_string(level) == text) return level;
+  }
+  return LogLevel::Info;
+}
+
+std::uint64_t number_of_line(const Value& line) {
+  const Value* number = line.find("number");
+  return number == nullptr || number->kind() != Value::Kind::Int
+             ? 0
+             : static_cast<std::uint64_t>(number->as_int());
+}
+
+}  // namespace
+
+RobotLog::RobotLog(std::shared_ptr<segue::control::RobotService> robot, std::shared_ptr<Rosout> rosout,
+                   std::string own_node, std::function<Nodes()> nodes)
+    : robot_(std::move(robot)),
+      rosout_(std::move(rosout)),
+      own_node_(std::move(own_node)),
+      nodes_(std::move(nodes)),
+      thread_(segue::concurrent::start_stoppable_thread(
+          "segue-rosout", [this](const std::stop_token& stop) { run(stop); })) {}
+
+void RobotLog::run(const std::stop_token& stop) {
+  segue::Mutex mutex;
+  segue::StoppableConditionVariable never;
+  while (!stop.stop_requested()) {
+    if (rosout_->is_read())
+      publish_all(stop);
+    else
+      since_ = std::chrono::system_clock::now() - kLineAge;
+    const segue::Lock lock(mutex);
+    never.wait_for(mutex, stop, kLogPeriod, [] { return false; });
+  }
+}
+
+void RobotLog::publish_all(const std::stop_token& stop) {
+  publish_events();
+  const Nodes nodes = nodes_();
+  std::erase_if(last_, [&](const auto& one) { return !nodes.contains(one.first); });
+  for (const auto& [task, node] : nodes) {
+    if (stop.stop_requested()) return;
+    publish_lines(task, node);
+  }
+}
+
+void RobotLog::publish_events() {
+  const auto events = robot_->events(last_event_, segue::Duration(0));
+  if (!events) return;
+  for (const Value& event : events->as_list()) {
+    last_event_ = number_of_line(event);
+    const LogTime time = log_time(event.find("time")->as_string());
+    if (time < since_) continue;
+    const LogLevel level = *event.find("trouble") == Value(true) ? LogLevel::Warning : LogLevel::Info;
+    rosout_->publish({time, level, logger_of(own_node_),
+                      event.find("subject")->as_string() + ": " + event.find("message")->as_string()});
+  }
+}
+
+void RobotLog::publish_lines(const std::string& task, const std::string& node) {
+  const auto report = robot_->task(task);
+  const Value* log = report ? report->find("log") : nullptr;
+  if (log == nullptr) return;
+  Position& last = last_[task];
+  const Value* pid = report->find("pid");
+  if (pid != nullptr && pid->is_integer() && pid->as_int() != last.pid) last = {pid->as_int(), 0};
+  for (const Value& line : log->as_list()) {
+    if (number_of_line(line) <= last.number) continue;
+    last.number = number_of_line(line);
+    const LogTime time = log_time(line.find("time")->as_string());
+    if (time < since_) continue;
+    rosout_->publish({time, log_level(line.find("level")->as_string()), logger_of(node),
+                      line.find("message")->as_string()});
+  }
+}
+
+}  // namespace ros2

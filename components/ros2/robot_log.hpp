@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "rosout.hpp"
+
+#include <segue/control/robot_service.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace ros2 {
+
+/// Has what a robot logs on /rosout, in a thread of its own: its events, and the lines of its tasks. The
+/// robot is asked only while somebody reads the topic, since each task costs it a question.
+class RobotLog {
+ public:
+  /// The nodes of tasks ("/robot/drive"), by their ids.
+  using Nodes = std::map<std::string, std::string>;
+  /// `own_node` is the one whose lines the robot's events are; `nodes` is asked for in the thread.
+  RobotLog(std::shared_ptr<segue::control::RobotService> robot, std::shared_ptr<Rosout> rosout,
+           std::string own_node, std::function<Nodes()> nodes);
+
+ private:
+  /// Up to which line of which process a task's have been published.
+  struct Position {
+    std::int64_t pid = 0;
+    std::uint64_t number = 0;
+  };
+  void run(const std::stop_token& stop);
+  void publish_all(const std::stop_token& stop);
+  void publish_events();
+  void publish_lines(const std::string& task, const std::string& node);
+
+  const std::shared_ptr<segue::control::RobotService> robot_;
+  const std::shared_ptr<Rosout> rosout_;
+  const std::string own_node_;
+  const std::function<Nodes()> nodes_;
+  std::chrono::system_clock::time_point since_{};  ///< older lines are not published
+  std::uint64_t last_event_ = 0;
+  std::map<std::string, Position> last_;  ///< by task
+  std::jthread thread_;
+};
+
+}  // namespace ros2
