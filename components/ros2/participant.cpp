@@ -114,6 +114,9 @@ dds::DomainParticipantQos quality_of(const Settings& settings, TransportOptions 
   if (settings.localhost_only) keep_on_this_computer(settings.domain, quality, *udp);
   limit_others(quality);
   quality.wire_protocol().prefix = new_identifier();
+  // Its ports follow from it, unless others of this computer have them. Fast DDS would count on with each
+  // participant of a process, until the ports are those of the next domain.
+  quality.wire_protocol().participant_id = 0;
   auto& discovery = quality.wire_protocol().builtin.discovery_config;
   discovery.initial_announcements = {50, {0, 20'000'000}};
   discovery.leaseDuration_announcementperiod = {1, 0};
