@@ -7,7 +7,7 @@
 #include "support/measure.hpp"
 #include "support/robot.hpp"
 
-#include "../components/ros2/managed_peer.hpp"
+#include "../components/ros2/peers/managed_peer.hpp"
 
 #include <segue/base/clock.hpp>
 #include <segue/runtime/runtime.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "action_peer.hpp"
+#include "peers/action_peer.hpp"
 #include "topics_test_support.hpp"
 
 #include <future>

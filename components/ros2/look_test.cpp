@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "look.hpp"
-#include "node_peer.hpp"
+#include "peers/node_peer.hpp"
 #include "topics_test_support.hpp"
 
 #include <unistd.h>

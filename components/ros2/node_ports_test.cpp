@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Topics of nodes as ports of their tasks.
-#include "managed_peer.hpp"
+#include "peers/managed_peer.hpp"
 #include "participant.hpp"
 #include "topics_test_support.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "peer.hpp"
-#include "sanitizer_options.hpp"
+#include "peers/peer.hpp"
+#include "peers/sanitizer_options.hpp"
 
 #include <segue/base/policy.hpp>
 #include <segue/sample_link/local.hpp>

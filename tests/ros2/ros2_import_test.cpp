@@ -2,7 +2,7 @@
 // A system of ROS 2 that runs is looked at, and becomes a robot, through the real command line.
 #include <gmock/gmock.h>
 
-#include "../../components/ros2/node_peer.hpp"
+#include "../../components/ros2/peers/node_peer.hpp"
 #include "../system/system_test.hpp"
 
 #include <unistd.h>

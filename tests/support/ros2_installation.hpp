@@ -11,7 +11,7 @@
 namespace segue::testing {
 
 /// An installation of ROS 2 named jazzy, in a folder, with two packages whose programs are all
-/// components/ros2/node_program.cpp. It is the only one on this computer while this lives.
+/// components/ros2/peers/node_program.cpp. It is the only one on this computer while this lives.
 class Ros2Installation {
  public:
   Ros2Installation(std::filesystem::path folder, const std::filesystem::path& program)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "peer.hpp"
 
-#include "../gateway/message.hpp"
+#include "../../gateway/message.hpp"
 
 #include <segue/base/mutex.hpp>
 #include <segue/ros2/dds_names.hpp>
