@@ -310,7 +310,7 @@ TEST_P(NodePorts, SendWithoutAllocatingMoreThanFastDds) {
   const auto executor = std::make_shared<segue::task::ManualExecutor>(clock);
   auto made =
       segue::task::Task::create("talker_node", segue::task::find_component("ros2::Node")->create().value(),
-                                segue::fd_driven(), executor);
+                                segue::Activity(), executor);
   ASSERT_TRUE(made);
   segue::task::Task& node = **made;
   ASSERT_EQ(error_of(node.set_properties(subscribing(), soon())), "");

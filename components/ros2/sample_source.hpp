@@ -46,7 +46,8 @@ inline std::vector<std::byte> cdr_of(const segue::ros2::MessageCodec& message,
   if (sample.value == nullptr) return {};
   const SampleSource source(message, sample);
   std::vector<std::byte> bytes(source.size());
-  return !bytes.empty() && source.write(bytes) ? bytes : std::vector<std::byte>();
+  if (!source.write(bytes)) bytes.clear();
+  return bytes;
 }
 
 }  // namespace ros2

@@ -16,7 +16,7 @@ namespace {
 
 /// A task that does not answer holds one of them.
 constexpr std::size_t kDeskThreads = 4;
-constexpr std::size_t kMostRequests = 1000;
+constexpr std::size_t kMostDeskRequests = 1000;
 constexpr std::size_t kMostOfGroup = 100;
 constexpr std::size_t kMostResponses = 200;
 /// An answer may be a hundred times as large.
@@ -84,7 +84,7 @@ void ServiceDesk::take(Letter request, const std::string& group) {
   {
     const segue::Lock lock(mutex_);
     const auto of_group = std::ranges::count(waiting_, group, &Waiting::group);
-    if (ends_ || waiting_.size() >= kMostRequests || static_cast<std::size_t>(of_group) >= kMostOfGroup ||
+    if (ends_ || waiting_.size() >= kMostDeskRequests || static_cast<std::size_t>(of_group) >= kMostOfGroup ||
         request.message.size() > kLargestRequest) {
       ++counts_.dropped;
       return;

@@ -19,6 +19,7 @@
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -129,6 +130,8 @@ struct FastParticipant {
     auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList = {"127.0.0.1"};
     quality.transport().use_builtin_transports = false;
+    static std::atomic<std::int32_t> number{10};  // beside that of the participant that is tested
+    quality.wire_protocol().participant_id = number++;
     quality.transport().user_transports = {udp};
     participant = edds::DomainParticipantFactory::get_instance()->create_participant(
         domain, quality, &discovery, edds::StatusMask::none());
