@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Topics of nodes as ports of their tasks.
-#include "peers/managed_peer.hpp"
 #include "participant.hpp"
+#include "peers/managed_peer.hpp"
 #include "topics_test_support.hpp"
 
 #include <segue/base/virtual_clock.hpp>
