@@ -30,10 +30,10 @@ ExposedNode::ExposedNode(std::shared_ptr<Participant> participant, std::string n
 }
 
 Result<std::unique_ptr<ExposedNode>> ExposedNode::make(const std::shared_ptr<Participant>& participant,
-                                                       ServiceDesk& desk, const std::string& name,
+                                                       ServiceExecutor& executor, const std::string& name,
                                                        std::shared_ptr<ExposedTask> task) {
   std::unique_ptr<ExposedNode> made(new ExposedNode(participant, name, std::move(task)));
-  if (auto opened = made->open(desk); !opened) return opened.error();
+  if (auto opened = made->open(executor); !opened) return opened.error();
   participant->announce(made->entities_);
   return made;
 }
@@ -42,7 +42,7 @@ ExposedNode::~ExposedNode() {
   participant_->withdraw(entities_);
 }
 
-Result<void> ExposedNode::open(ServiceDesk& desk) {
+Result<void> ExposedNode::open(ServiceExecutor& executor) {
   segue::ros2::InterfaceLibrary library;
   if (auto opened = open_events(library); !opened) return opened;
   Answers answers;
@@ -50,10 +50,10 @@ Result<void> ExposedNode::open(ServiceDesk& desk) {
   add_lifecycle_services(answers);
   if (task_->is_writable()) add_operations(answers);
   for (auto& [service, answer] : answers) {
-    auto opened = desk.open(library, service, std::move(answer));
+    auto opened = executor.open(library, service, std::move(answer));
     if (!opened) return opened.error();
-    entities_.publishers.push_back(ServiceDesk::publisher(**opened));
-    entities_.subscriptions.push_back(ServiceDesk::subscription(**opened));
+    entities_.publishers.push_back(ServiceExecutor::publisher(**opened));
+    entities_.subscriptions.push_back(ServiceExecutor::subscription(**opened));
     services_.push_back(std::move(*opened));
   }
   return {};
@@ -86,7 +86,7 @@ void ExposedNode::set_state(segue::TaskState state) {
 }
 
 void ExposedNode::add(Answers& answers, const std::string& name, const std::string& interface,
-                      ServiceDesk::Answer answer) const {
+                      ServiceExecutor::Answer answer) const {
   answers.push_back({{name_ + "/" + name, interface, name_}, std::move(answer)});
 }
 

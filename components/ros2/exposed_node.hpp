@@ -3,7 +3,7 @@
 
 #include "exposed_task.hpp"
 #include "participant.hpp"
-#include "service_desk.hpp"
+#include "service_executor.hpp"
 
 #include <segue/base/life_cycle.hpp>
 #include <segue/ros2/interface_library.hpp>
@@ -20,10 +20,10 @@ namespace ros2 {
 /// A task of a robot as a node of ROS 2: parameters, the life cycle to be looked at, and operations.
 class ExposedNode {
  public:
-  /// `name`: "/robot/drive". Its services are answered by the desk, which must outlive it. Fails where the
-  /// name is not valid, or Fast DDS cannot make its endpoints.
+  /// `name`: "/robot/drive". Its services are answered by the executor, which must outlive it. Fails where
+  /// the name is not valid, or Fast DDS cannot make its endpoints.
   static segue::Result<std::unique_ptr<ExposedNode>> make(const std::shared_ptr<Participant>& participant,
-                                                          ServiceDesk& desk, const std::string& name,
+                                                          ServiceExecutor& executor, const std::string& name,
                                                           std::shared_ptr<ExposedTask> task);
   /// Others see it no longer.
   ~ExposedNode();
@@ -35,13 +35,13 @@ class ExposedNode {
   void set_state(segue::TaskState state);
 
  private:
-  using Answers = std::vector<std::pair<ServiceDesk::Service, ServiceDesk::Answer>>;
+  using Answers = std::vector<std::pair<ServiceExecutor::Service, ServiceExecutor::Answer>>;
 
   ExposedNode(std::shared_ptr<Participant> participant, std::string name, std::shared_ptr<ExposedTask> task);
-  segue::Result<void> open(ServiceDesk& desk);
+  segue::Result<void> open(ServiceExecutor& executor);
   segue::Result<void> open_events(segue::ros2::InterfaceLibrary& library);
   void add(Answers& answers, const std::string& name, const std::string& interface,
-           ServiceDesk::Answer answer) const;
+           ServiceExecutor::Answer answer) const;
   void add_parameter_services(Answers& answers) const;
   void add_lifecycle_services(Answers& answers) const;
   void add_operations(Answers& answers) const;
@@ -50,7 +50,7 @@ class ExposedNode {
   const std::string name_;
   const std::shared_ptr<ExposedTask> task_;
   segue::ros2::NodeEntities entities_;
-  std::vector<std::shared_ptr<ServiceDesk::Counter>> services_;
+  std::vector<std::shared_ptr<ServiceExecutor::Handle>> services_;
   std::optional<segue::ros2::MessageCodec> event_;
   Participant::Owned<dds::DataWriter> events_;
 };

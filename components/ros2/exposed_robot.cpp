@@ -92,7 +92,7 @@ ExposedRobot::ExposedRobot(std::shared_ptr<Participant> participant, ExposedRobo
       settings_(std::move(settings)),
       rules_(std::move(rules)),
       changed_(std::move(changed)),
-      desk_(participant_),
+      executor_(participant_),
       thread_(segue::concurrent::start_stoppable_thread(
           "segue-exposure", [this](const std::stop_token& stop) { run(stop); })) {}
 
@@ -202,7 +202,7 @@ void ExposedRobot::add(Connection& connection, const Value& task) {
   }
   auto exposed = std::make_shared<ExposedTask>(connection.robot, id, rules_, connection.ends.get_token());
   exposed->set_state(state_in(task));
-  auto made = ExposedNode::make(participant_, desk_, name, std::move(exposed));
+  auto made = ExposedNode::make(participant_, executor_, name, std::move(exposed));
   if (!made) return log_once("task " + segue::quote(id) + " has no node: " + segue::to_string(made.error()));
   Node node;
   node.node = std::move(*made);
@@ -263,7 +263,7 @@ std::string ExposedRobot::trouble() const {
 }
 
 ExposureStatistics ExposedRobot::statistics() const {
-  ExposureStatistics now = desk_.statistics();
+  ExposureStatistics now = executor_.statistics();
   const segue::Lock lock(mutex_);
   now.nodes = static_cast<std::uint32_t>(nodes_.size());
   return now;

@@ -5,7 +5,7 @@
 #include "exposed_task.hpp"
 #include "participant.hpp"
 #include "robot_log.hpp"
-#include "service_desk.hpp"
+#include "service_executor.hpp"
 #include "types.hpp"
 
 #include <segue/base/condition_variable.hpp>
@@ -91,7 +91,7 @@ class ExposedRobot {
   const ExposedRobotSettings settings_;
   const ExposureRules rules_;
   const std::function<void()> changed_;
-  ServiceDesk desk_;
+  ServiceExecutor executor_;
   std::set<std::string> said_;  ///< by the thread alone
   mutable segue::Mutex mutex_;
   std::string trouble_ SEGUE_GUARDED_BY(mutex_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "service_desk.hpp"
+#include "service_executor.hpp"
 
 #include <segue/concurrent/thread.hpp>
 
@@ -15,8 +15,8 @@ using segue::type::Value;
 namespace {
 
 /// A task that does not answer holds one of them.
-constexpr std::size_t kDeskThreads = 4;
-constexpr std::size_t kMostDeskRequests = 1000;
+constexpr std::size_t kExecutorThreads = 4;
+constexpr std::size_t kMostQueued = 1000;
 constexpr std::size_t kMostOfGroup = 100;
 constexpr std::size_t kMostResponses = 200;
 /// An answer may be a hundred times as large.
@@ -30,22 +30,23 @@ constexpr std::chrono::milliseconds kLookAgain{5};
 }  // namespace
 
 /// Where the requests of one service come in.
-class ServiceDesk::Counter {
+class ServiceExecutor::Handle {
  public:
-  explicit Counter(Answer answer) : answer_(std::move(answer)) {}
+  explicit Handle(Answer answer) : answer_(std::move(answer)) {}
 
  private:
-  friend class ServiceDesk;
+  friend class ServiceExecutor;
   const Answer answer_;
   std::unique_ptr<Responder> responder_;  ///< set while its group is being opened
 };
 
-ServiceDesk::ServiceDesk(std::shared_ptr<Participant> participant) : participant_(std::move(participant)) {
-  for (std::size_t i = 0; i < kDeskThreads; ++i)
-    threads_.push_back(segue::concurrent::start_thread("segue-desk", [this] { work(); }));
+ServiceExecutor::ServiceExecutor(std::shared_ptr<Participant> participant)
+    : participant_(std::move(participant)) {
+  for (std::size_t i = 0; i < kExecutorThreads; ++i)
+    threads_.push_back(segue::concurrent::start_thread("segue-services", [this] { work(); }));
 }
 
-ServiceDesk::~ServiceDesk() {
+ServiceExecutor::~ServiceExecutor() {
   {
     const segue::Lock lock(mutex_);
     ends_ = true;
@@ -55,11 +56,10 @@ ServiceDesk::~ServiceDesk() {
     thread.join();
 }
 
-segue::Result<std::shared_ptr<ServiceDesk::Counter>> ServiceDesk::open(segue::ros2::InterfaceLibrary& library,
-                                                                       const Service& service,
-                                                                       Answer answer) {
-  auto counter = std::make_shared<Counter>(std::move(answer));
-  auto take_request = [this, weak = std::weak_ptr(counter), group = service.group](
+segue::Result<std::shared_ptr<ServiceExecutor::Handle>> ServiceExecutor::open(
+    segue::ros2::InterfaceLibrary& library, const Service& service, Answer answer) {
+  auto handle = std::make_shared<Handle>(std::move(answer));
+  auto take_request = [this, weak = std::weak_ptr(handle), group = service.group](
                           const Caller& caller, std::vector<std::byte> request) {
     take({weak, caller, std::move(request), segue::monotonic_now() + kRequestWaits}, group);
   };
@@ -70,21 +70,21 @@ segue::Result<std::shared_ptr<ServiceDesk::Counter>> ServiceDesk::open(segue::ro
   }
   auto made =
       Responder::make(participant_, library, service.name, service.interface, std::move(take_request));
-  if (made) counter->responder_ = std::move(*made);
+  if (made) handle->responder_ = std::move(*made);
   {
     const segue::Lock lock(mutex_);
     opening_.erase(service.group);
   }
   changed_.notify_all();
   if (!made) return made.error();
-  return counter;
+  return handle;
 }
 
-void ServiceDesk::take(Letter request, const std::string& group) {
+void ServiceExecutor::take(Message request, const std::string& group) {
   {
     const segue::Lock lock(mutex_);
     const auto of_group = std::ranges::count(waiting_, group, &Waiting::group);
-    if (ends_ || waiting_.size() >= kMostDeskRequests || static_cast<std::size_t>(of_group) >= kMostOfGroup ||
+    if (ends_ || waiting_.size() >= kMostQueued || static_cast<std::size_t>(of_group) >= kMostOfGroup ||
         request.message.size() > kLargestRequest) {
       ++counts_.dropped;
       return;
@@ -94,7 +94,7 @@ void ServiceDesk::take(Letter request, const std::string& group) {
   changed_.notify_one();
 }
 
-void ServiceDesk::work() {
+void ServiceExecutor::work() {
   std::string group;
   while (true) {
     const auto request = next_request(group);
@@ -110,14 +110,14 @@ void ServiceDesk::work() {
 }
 
 /// Nothing: there is none, but responses may have to be sent, or it ends.
-std::optional<ServiceDesk::Letter> ServiceDesk::next_request(std::string& group) {
+std::optional<ServiceExecutor::Message> ServiceExecutor::next_request(std::string& group) {
   segue::Lock lock(mutex_);
   while (!ends_) {
     const auto next = std::ranges::find_if(waiting_, [&](const Waiting& one) SEGUE_REQUIRES(mutex_) {
       return !busy_.contains(one.group) && !opening_.contains(one.group);
     });
     if (next != waiting_.end()) {
-      Letter request = std::move(next->request);
+      Message request = std::move(next->request);
       group = std::move(next->group);
       waiting_.erase(next);
       if (request.until < segue::monotonic_now()) {
@@ -137,15 +137,15 @@ std::optional<ServiceDesk::Letter> ServiceDesk::next_request(std::string& group)
   return {};
 }
 
-void ServiceDesk::carry_out(const Letter& request) {
-  const auto counter = request.counter.lock();
-  if (counter == nullptr) return count(&ExposureStatistics::dropped);
-  const auto asked = counter->responder_->request().decode(request.message);
+void ServiceExecutor::carry_out(const Message& request) {
+  const auto handle = request.handle.lock();
+  if (handle == nullptr) return count(&ExposureStatistics::dropped);
+  const auto asked = handle->responder_->request().decode(request.message);
   if (!asked) return count(&ExposureStatistics::corrupt);
-  const auto answer = counter->answer_(*asked);
+  const auto answer = handle->answer_(*asked);
   count(&ExposureStatistics::requests);
   if (!answer) return;
-  auto message = counter->responder_->response().encode(*answer, "response");
+  auto message = handle->responder_->response().encode(*answer, "response");
   if (!message) return count(&ExposureStatistics::unsent);
   const segue::Lock lock(mutex_);
   if (responses_.size() >= kMostResponses) {
@@ -154,25 +154,25 @@ void ServiceDesk::carry_out(const Letter& request) {
     ++counts_.unsent;
   }
   responses_.push_back(
-      {request.counter, request.caller, std::move(*message), segue::monotonic_now() + kResponseWaits});
+      {request.handle, request.caller, std::move(*message), segue::monotonic_now() + kResponseWaits});
 }
 
-void ServiceDesk::send_responses() {
-  std::vector<Letter> all;
+void ServiceExecutor::send_responses() {
+  std::vector<Message> all;
   {
     const segue::Lock lock(mutex_);
     all.swap(responses_);
   }
-  std::vector<Letter> early;
-  for (Letter& one : all) {
-    const auto counter = one.counter.lock();
-    const bool is_late = counter == nullptr || one.until < segue::monotonic_now();
+  std::vector<Message> early;
+  for (Message& one : all) {
+    const auto handle = one.handle.lock();
+    const bool is_late = handle == nullptr || one.until < segue::monotonic_now();
     if (is_late) {
       count(&ExposureStatistics::unsent);
-    } else if (!counter->responder_->reaches(one.caller)) {
+    } else if (!handle->responder_->reaches(one.caller)) {
       early.push_back(std::move(one));
     } else {
-      const bool sent = counter->responder_->respond(one.caller, one.message, segue::monotonic_now());
+      const bool sent = handle->responder_->respond(one.caller, one.message, segue::monotonic_now());
       count(sent ? &ExposureStatistics::responses : &ExposureStatistics::unsent);
     }
   }
@@ -180,22 +180,22 @@ void ServiceDesk::send_responses() {
   std::ranges::move(early, std::back_inserter(responses_));
 }
 
-void ServiceDesk::count(std::uint64_t ExposureStatistics::*counter) {
+void ServiceExecutor::count(std::uint64_t ExposureStatistics::*counter) {
   const segue::Lock lock(mutex_);
   ++(counts_.*counter);
 }
 
-ExposureStatistics ServiceDesk::statistics() const {
+ExposureStatistics ServiceExecutor::statistics() const {
   const segue::Lock lock(mutex_);
   return counts_;
 }
 
-segue::ros2::Gid ServiceDesk::publisher(const Counter& counter) {
-  return counter.responder_->publisher();
+segue::ros2::Gid ServiceExecutor::publisher(const Handle& handle) {
+  return handle.responder_->publisher();
 }
 
-segue::ros2::Gid ServiceDesk::subscription(const Counter& counter) {
-  return counter.responder_->subscription();
+segue::ros2::Gid ServiceExecutor::subscription(const Handle& handle) {
+  return handle.responder_->subscription();
 }
 
 }  // namespace ros2
