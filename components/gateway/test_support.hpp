@@ -7,6 +7,7 @@
 #include <segue/sample_link/local.hpp>
 #include <segue/task/component.hpp>
 
+#include <support/dds_domain.hpp>
 #include <support/dds_suppressions.hpp>
 #include <support/eventually.hpp>
 #include <support/running_task.hpp>
@@ -127,7 +128,7 @@ using segue::type::ValueMap;
 
 /// Programs that run at the same time rarely share a domain, and never a topic.
 inline std::int32_t own_domain() {
-  return static_cast<std::int32_t>(1 + ::getpid() % 231);
+  return static_cast<std::int32_t>(segue::testing::dds_domain_of_process());
 }
 
 inline Settings local_settings(std::int32_t domain) {

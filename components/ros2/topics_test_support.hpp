@@ -10,6 +10,7 @@
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
 
+#include <support/dds_domain.hpp>
 #include <support/eventually.hpp>
 #include <support/running_task.hpp>
 #include <support/temporary_files.hpp>
@@ -59,7 +60,7 @@ inline constexpr const char* kStringHash =
 
 /// Programs that run at the same time rarely share a domain, nor a topic with the same type.
 inline std::uint32_t own_domain() {
-  return static_cast<std::uint32_t>(1 + ::getpid() % 231);
+  return segue::testing::dds_domain_of_process();
 }
 
 inline ValueMap properties(const std::string& interface) {

@@ -5,6 +5,7 @@
 #include <segue/distributed/gateways.hpp>
 #include <segue/model/files.hpp>
 
+#include <support/dds_domain.hpp>
 #include <support/eventually.hpp>
 
 #include <fcntl.h>
@@ -24,10 +25,6 @@ namespace segue::testing {
 namespace {
 
 using type::Value;
-
-/// DDS domains have numbers to 232. Robots of tests have names of their own, too, so that samples never get
-/// from one test to another even where two have the same domain.
-constexpr int kDomains = 230;
 
 std::string text(const Value& value, const char* key) {
   const Value* found = value.find(key);
@@ -165,7 +162,8 @@ void HostsTest::SetUp() {
   SystemTest::SetUp();
   // Forked before there is a runtime folder in the environment: the guardian is none of the processes.
   guardian_ = std::make_unique<Guardian>(folder_.string());
-  ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % kDomains).c_str(), 1);
+  // Robots of tests have names of their own, too, so that samples never get from one test to another.
+  ::setenv("ROS_DOMAIN_ID", std::to_string(segue::testing::dds_domain_of_process()).c_str(), 1);
   robot_name_ = "r" + std::to_string(::getpid());
 }
 

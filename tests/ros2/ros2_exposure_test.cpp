@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tasks of a robot are seen as nodes of ROS 2, through the real command line.
+#include <support/dds_domain.hpp>
+
 #include <gmock/gmock.h>
 
 #include "../system/system_test.hpp"
@@ -22,7 +24,7 @@ class RobotForRos2 : public SystemTest {
  protected:
   void SetUp() override {
     SystemTest::SetUp();
-    ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 231).c_str(), 1);
+    ::setenv("ROS_DOMAIN_ID", std::to_string(dds_domain_of_process()).c_str(), 1);
     ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
     write("rover/robot.yaml",
           "robot: rover\nlibraries: [segue_components_ros2, segue_components_demo]\n"

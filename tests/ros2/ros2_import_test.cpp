@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A system of ROS 2 that runs is looked at, and becomes a robot, through the real command line.
+#include <support/dds_domain.hpp>
+
 #include <gmock/gmock.h>
 
 #include "../../components/ros2/peers/node_peer.hpp"
@@ -17,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 std::uint32_t domain_of_test() {
-  return static_cast<std::uint32_t>(1 + ::getpid() % 231);
+  return segue::testing::dds_domain_of_process();
 }
 
 class RunningRos2 : public SystemTest {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes of ROS 2 that a robot starts, through the real command line.
+#include <support/dds_domain.hpp>
 #include <support/ros2_installation.hpp>
 
 #include <gmock/gmock.h>
@@ -34,7 +35,7 @@ class NodesOfARobot : public SystemTest {
   void SetUp() override {
     SystemTest::SetUp();
     ros = std::make_unique<Ros2Installation>(folder_, segue::paths::kNodeProgram);
-    ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 231).c_str(), 1);
+    ::setenv("ROS_DOMAIN_ID", std::to_string(dds_domain_of_process()).c_str(), 1);
     ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
     write("rover/robot.yaml",
           "robot: rover\nlibraries: [segue_components_ros2]\ncontrollers: [controllers/*.yaml]\n");

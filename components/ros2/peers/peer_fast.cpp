@@ -19,13 +19,14 @@
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <map>
 #include <memory>
+#include <random>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -117,6 +118,35 @@ class Discovery final : public edds::DomainParticipantListener {
   std::map<std::string, std::string> user_data_ SEGUE_GUARDED_BY(mutex_);
 };
 
+/// The number of a participant in this process, from which its ports follow: the smallest that is free. (Fast
+/// DDS would count on, until the ports are those of the next domain.)
+class PeerNumber {
+ public:
+  PeerNumber() {
+    const segue::Lock lock(mutex());
+    while (!used().insert(value_).second)
+      ++value_;
+  }
+  ~PeerNumber() {
+    const segue::Lock lock(mutex());
+    used().erase(value_);
+  }
+  PeerNumber(const PeerNumber&) = delete;
+  PeerNumber& operator=(const PeerNumber&) = delete;
+  [[nodiscard]] std::int32_t value() const { return value_; }
+
+ private:
+  static segue::Mutex& mutex() {
+    static segue::Mutex one;
+    return one;
+  }
+  static std::set<std::int32_t>& used() {
+    static std::set<std::int32_t> numbers;
+    return numbers;
+  }
+  std::int32_t value_ = 10;  // beside that of the participant that is tested
+};
+
 /// A participant with what all its peers share.
 struct FastParticipant {
   explicit FastParticipant(std::uint32_t domain) {
@@ -130,8 +160,8 @@ struct FastParticipant {
     auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     udp->interfaceWhiteList = {"127.0.0.1"};
     quality.transport().use_builtin_transports = false;
-    static std::atomic<std::int32_t> number{10};  // beside that of the participant that is tested
-    quality.wire_protocol().participant_id = number++;
+    quality.wire_protocol().participant_id = number.value();
+    quality.wire_protocol().prefix = identifier();
     quality.transport().user_transports = {udp};
     participant = edds::DomainParticipantFactory::get_instance()->create_participant(
         domain, quality, &discovery, edds::StatusMask::none());
@@ -144,9 +174,20 @@ struct FastParticipant {
     participant->delete_contained_entities();
     edds::DomainParticipantFactory::get_instance()->delete_participant(participant);
   }
+  /// That nobody had before, as those of other processes, of which the number is a part otherwise.
+  static ertps::GuidPrefix_t identifier() {
+    ertps::GuidPrefix_t prefix;
+    std::random_device random;
+    for (auto& one : prefix.value)
+      one = static_cast<ertps::octet>(random());
+    prefix.value[0] = ertps::c_VendorId_eProsima[0];
+    prefix.value[1] = ertps::c_VendorId_eProsima[1];
+    return prefix;
+  }
   FastParticipant(const FastParticipant&) = delete;
   FastParticipant& operator=(const FastParticipant&) = delete;
 
+  const PeerNumber number;
   Discovery discovery;
   edds::DomainParticipant* participant = nullptr;
   edds::Publisher* publisher = nullptr;
