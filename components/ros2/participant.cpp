@@ -155,7 +155,7 @@ segue::Result<void> Participant::start() {
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const auto listens = std::make_shared<std::atomic<bool>>(false);
   const TransportOptions options{[this](const Acknowledgement& one) { acknowledged(one); },
-                                 settings_.localhost_only, listens};
+                                 settings_.localhost_only, listens, receiving_};
   participant_ = factory->create_participant(settings_.domain, participant_quality(settings_, options), this,
                                              dds::StatusMask::none());
   listens->store(true, std::memory_order_relaxed);
@@ -190,8 +190,11 @@ Participant::~Participant() {
     const segue::Lock lock(nodes_mutex_);
     nodes_writer_.reset();
   }
-  participant_->set_listener(nullptr);
-  participant_->delete_contained_entities();
+  {
+    const segue::Lock receiving(*receiving_);
+    participant_->set_listener(nullptr);
+    participant_->delete_contained_entities();
+  }
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
@@ -243,6 +246,7 @@ segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_writer(
   if (made != nullptr) {
     return Owned<dds::DataWriter>(made, [this, topic = name.topic](dds::DataWriter* writer) {
       const segue::Lock deleting(entities_mutex_);
+      const segue::Lock receiving(*receiving_);
       publisher_->delete_datawriter(writer);
       leave(topic);
     });
@@ -265,6 +269,7 @@ segue::Result<Participant::Owned<dds::DataReader>> Participant::make_reader(
   if (made != nullptr) {
     return Owned<dds::DataReader>(made, [this, topic = name.topic](dds::DataReader* reader) {
       const segue::Lock deleting(entities_mutex_);
+      const segue::Lock receiving(*receiving_);
       subscriber_->delete_datareader(reader);
       leave(topic);
     });

@@ -141,6 +141,8 @@ class Participant final : private dds::DomainParticipantListener,
   /// One thread at a time makes or deletes entities: Fast DDS 2.9 has four places for endpoints that are
   /// being made or found, and where five threads need one, each may wait for another. No callback takes it.
   segue::Mutex entities_mutex_;
+  /// Nothing is received while an endpoint is deleted (TransportOptions::receiving).
+  const std::shared_ptr<segue::Mutex> receiving_ = std::make_shared<segue::Mutex>();
   std::map<std::string, UsedTopic> topics_ SEGUE_GUARDED_BY(entities_mutex_);
   dds::DomainParticipant* participant_ = nullptr;
   segue::ros2::Gid gid_{};

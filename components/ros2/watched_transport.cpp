@@ -125,6 +125,7 @@ class Transport final : public fast::ChainingTransport {
     for (const Acknowledgement& one : acknowledgements_in(message))
       descriptor_.options.acknowledged(one);
     const auto changed = with_departures_as_data(message);
+    const segue::Lock lock(*descriptor_.options.receiving);
     if (changed.empty()) return receiver->OnDataReceived(bytes, size, local, remote);
     receiver->OnDataReceived(reinterpret_cast<const octet*>(changed.data()), size, local, remote);
   }

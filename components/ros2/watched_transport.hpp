@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/mutex.hpp>
 #include <segue/ros2/participant_entities.hpp>
 
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
@@ -30,6 +31,9 @@ struct TransportOptions {
   /// answer within 0.1 ms, once; what it does not hear then, it hears when they announce themselves the next
   /// time, after seconds. Relaxed: no memory depends on it.)
   std::shared_ptr<const std::atomic<bool>> listens{};
+  /// Is held while Fast DDS looks at a message that has arrived. (It looks whether a reader has a listener,
+  /// and then calls it, though the reader may be deleted in between by whoever does not hold this.)
+  std::shared_ptr<segue::Mutex> receiving = std::make_shared<segue::Mutex>();
 };
 
 /// UDP with some additions to Fast DDS 2.9. It also understands how Cyclone DDS says that an endpoint or a
