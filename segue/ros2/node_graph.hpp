@@ -74,8 +74,8 @@ class NodeGraph {
   [[nodiscard]] bool has_node(std::string_view name, const Gid& own) const;
   [[nodiscard]] GraphSnapshot snapshot() const;
 
-  /// Those between an own endpoint and those of others on its topic, kMostMismatches at most.
   static constexpr std::size_t kMostMismatches = 100;
+  /// Those between an own endpoint and those of others on its topic, kMostMismatches at most.
   [[nodiscard]] std::vector<Mismatch> mismatches_of(const Endpoint& own) const;
 
  private:
