@@ -35,6 +35,8 @@ const TopicName kNodesTopic{"ros_discovery_info", "rmw_dds_common::msg::dds_::Pa
 /// Nodes on Cyclone DDS warn of endpoints that do not tell the hash of their type.
 const std::string kNodesHash =
     "typehash=RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e;";
+/// Of what a participant says of itself.
+const std::string kNotTaken = "what it says of itself is not taken: ";
 
 /// The messages of Fast DDS go to the log of this process.
 class LogLines final : public dds::LogConsumer {
@@ -119,7 +121,7 @@ class Participant::DiscoveryReader final : public dds::DataReaderListener {
     if (auto checked = check(*sink.entities, sender)) {
       participant_.graph_.set(*sink.entities);
     } else {
-      participant_.refuse(sender, checked.error());
+      participant_.refuse(sender, kNotTaken + checked.error().message);
     }
   }
 
@@ -154,7 +156,10 @@ segue::Result<void> Participant::start() {
   take_log_lines();
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const auto listens = std::make_shared<std::atomic<bool>>(false);
-  const TransportOptions options{[this](const Acknowledgement& one) { acknowledged(one); },
+  const TransportOptions options{[this](const segue::ros2::Acknowledgement& one) { acknowledged(one); },
+                                 [this](const segue::ros2::Gid& sender, std::string_view why) {
+                                   refuse(sender, "a part of a message is not taken: " + std::string(why));
+                                 },
                                  settings_.localhost_only, listens, receiving_};
   participant_ = factory->create_participant(settings_.domain, participant_quality(settings_, options), this,
                                              dds::StatusMask::none());
@@ -332,18 +337,18 @@ void Participant::set(segue::ros2::Endpoint endpoint) {
   if (auto checked = check(endpoint)) {
     graph_.set(std::move(endpoint));
   } else {
-    refuse(endpoint.gid, checked.error());
+    refuse(endpoint.gid, kNotTaken + checked.error().message);
   }
 }
 
-void Participant::refuse(const segue::ros2::Gid& sender, const segue::Error& why) {
+void Participant::refuse(const segue::ros2::Gid& sender, const std::string& why) {
   constexpr std::size_t kMostLogged = 100;
   segue::ros2::Gid participant{};
   std::copy_n(sender.begin(), rtps::GuidPrefix_t::size, participant.begin());
   const segue::Lock lock(refused_mutex_);
   if (refused_.size() >= kMostLogged || !refused_.insert(participant).second) return;
   segue::log(segue::LogLevel::Warning, "ros2",
-             "what participant " + name_of(participant) + " says of itself is not taken: " + why.message +
+             "participant " + name_of(participant) + ": " + why +
                  (refused_.size() == kMostLogged ? "; others will not be logged" : ""));
 }
 
@@ -371,7 +376,7 @@ segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_acknowledge
     const segue::ros2::Gid gid = gid_of((*writer)->guid());
     awaited_.insert(gid);
     std::ranges::copy_if(early_, std::inserter(acknowledged_, acknowledged_.end()),
-                         [&](const Acknowledgement& one) { return one.writer == gid; });
+                         [&](const segue::ros2::Acknowledgement& one) { return one.writer == gid; });
   }
   if (being_made_ == 0) early_.clear();
   return writer;
@@ -380,12 +385,12 @@ segue::Result<Participant::Owned<dds::DataWriter>> Participant::make_acknowledge
 void Participant::forget_acknowledgements(const segue::ros2::Gid& writer) {
   const segue::Lock lock(acknowledged_mutex_);
   awaited_.erase(writer);
-  std::erase_if(acknowledged_, [&](const Acknowledgement& one) { return one.writer == writer; });
+  std::erase_if(acknowledged_, [&](const segue::ros2::Acknowledgement& one) { return one.writer == writer; });
 }
 
 void Participant::forget_reader(const segue::ros2::Gid& reader) {
   const segue::Lock lock(acknowledged_mutex_);
-  std::erase_if(acknowledged_, [&](const Acknowledgement& one) { return one.reader == reader; });
+  std::erase_if(acknowledged_, [&](const segue::ros2::Acknowledgement& one) { return one.reader == reader; });
 }
 
 bool Participant::has_acknowledged(const segue::ros2::Gid& reader, const segue::ros2::Gid& writer) const {
@@ -393,7 +398,7 @@ bool Participant::has_acknowledged(const segue::ros2::Gid& reader, const segue::
   return acknowledged_.contains({reader, writer});
 }
 
-void Participant::acknowledged(const Acknowledgement& one) {
+void Participant::acknowledged(const segue::ros2::Acknowledgement& one) {
   {
     const segue::Lock lock(acknowledged_mutex_);
     if (being_made_ > 0 && !awaited_.contains(one.writer)) early_.insert(one);

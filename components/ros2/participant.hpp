@@ -112,10 +112,10 @@ class Participant final : private dds::DomainParticipantListener,
   void leave(const std::string& topic) SEGUE_REQUIRES(entities_mutex_);
   void publish_nodes() SEGUE_REQUIRES(nodes_mutex_);
   void set(segue::ros2::Endpoint endpoint);
-  /// Logs that something is not taken, once for each participant, and only so often for all of them.
-  void refuse(const segue::ros2::Gid& sender, const segue::Error& why);
+  /// Logs that something is not taken, and why, once for each participant, and only so often for all of them.
+  void refuse(const segue::ros2::Gid& sender, const std::string& why);
   void tell_watchers();
-  void acknowledged(const Acknowledgement& one);
+  void acknowledged(const segue::ros2::Acknowledgement& one);
   void forget_reader(const segue::ros2::Gid& reader);
 
   void on_participant_discovery(dds::DomainParticipant* participant,
@@ -136,8 +136,8 @@ class Participant final : private dds::DomainParticipantListener,
   std::set<segue::ros2::Gid> awaited_ SEGUE_GUARDED_BY(acknowledged_mutex_);
   std::size_t being_made_ SEGUE_GUARDED_BY(acknowledged_mutex_) =
       0;  ///< writers, whose identifiers are not known yet
-  std::set<Acknowledgement> early_ SEGUE_GUARDED_BY(acknowledged_mutex_);  ///< of them perhaps
-  std::set<Acknowledgement> acknowledged_ SEGUE_GUARDED_BY(acknowledged_mutex_);
+  std::set<segue::ros2::Acknowledgement> early_ SEGUE_GUARDED_BY(acknowledged_mutex_);  ///< of them perhaps
+  std::set<segue::ros2::Acknowledgement> acknowledged_ SEGUE_GUARDED_BY(acknowledged_mutex_);
   /// One thread at a time makes or deletes entities: Fast DDS 2.9 has four places for endpoints that are
   /// being made or found, and where five threads need one, each may wait for another. No callback takes it.
   segue::Mutex entities_mutex_;
