@@ -15,12 +15,15 @@ constexpr std::size_t kMessageHeader = 20;
 constexpr std::size_t kSubmessageHeader = 4;
 constexpr std::byte kPad{0x01};
 constexpr std::byte kAckNack{0x06};
+constexpr std::byte kHeartbeat{0x07};
 constexpr std::byte kGap{0x08};
 constexpr std::byte kInfoTime{0x09};
 constexpr std::byte kInfoSource{0x0c};
 constexpr std::byte kInfoDestination{0x0e};
 constexpr std::byte kData{0x15};
 constexpr std::byte kDataFrag{0x16};
+constexpr std::byte kNackFrag{0x12};
+constexpr std::byte kHeartbeatFrag{0x13};
 constexpr std::byte kOfVendor{0x80};  // ids from here on are skipped by whoever does not know the vendor's
 constexpr std::byte kLittleEndian{0x01};
 constexpr std::byte kHasQos{0x02};
@@ -31,6 +34,7 @@ constexpr std::size_t kPrefix = 8;    // in the header of a message: of the part
 constexpr std::size_t kPrefixSize = 12;
 constexpr std::byte kWriterOfUser{0x03};  // the kind of an entity: a writer without a key (9.3.1.2)
 constexpr std::byte kBuiltIn{0xc0};       // of kinds of entities that every participant has
+constexpr std::uint64_t kEndOfSequences = std::uint64_t{1} << 62U;
 /// The writers that tell of participants, publishers and subscriptions.
 constexpr std::array<std::uint32_t, 3> kDiscoveryWriters = {0x000100c2, 0x000003c2, 0x000004c2};
 
@@ -41,7 +45,8 @@ struct Submessage {
   std::span<const std::byte> body{};
 
   [[nodiscard]] bool has(std::byte flag) const { return (flags & flag) != std::byte{0}; }
-  [[nodiscard]] std::size_t end() const { return begin + kSubmessageHeader + body.size(); }
+  /// Each begins at a multiple of 4.
+  [[nodiscard]] std::size_t end() const { return begin + kSubmessageHeader + (body.size() + 3) / 4 * 4; }
   /// A number in its own byte order; its bytes must be there.
   template <class Number>
   [[nodiscard]] Number number(std::size_t at) const {
@@ -150,16 +155,44 @@ std::string_view wrong_fragments(const Submessage& one) {
 std::string_view wrong_gap(const Submessage& one) {
   constexpr std::size_t kBegin = 8;
   constexpr std::size_t kEnd = 16;  // the first one that may come
-  if (one.body.size() < kEnd + 8) return kBehindItsEnd;
   const std::uint64_t begin = one.sequence(kBegin);
   const std::uint64_t end = one.sequence(kEnd);
   return end <= begin || end - begin <= kLongestGap ? std::string_view() : "it has a gap of too many samples";
 }
 
+std::string_view wrong_heartbeat(const Submessage& one) {
+  constexpr std::size_t kFirst = 8;
+  return one.sequence(kFirst) <= kMostSamples
+             ? std::string_view()
+             : "it is of a publisher that says that it has sent too many samples";
+}
+
+/// Where submessages have sequence numbers.
+std::span<const std::size_t> sequences_of(std::byte id) {
+  static constexpr std::array<std::size_t, 1> kOfDatum = {12};
+  static constexpr std::array<std::size_t, 2> kOfRange = {8, 16};
+  if (id == kData || id == kDataFrag) return kOfDatum;
+  if (id == kGap || id == kHeartbeat) return kOfRange;
+  if (id == kAckNack || id == kNackFrag || id == kHeartbeatFrag) return std::span(kOfRange).first(1);
+  return {};
+}
+
+/// They must be there, since Fast DDS does not look where a submessage ends; and it ends its process where
+/// some computations with them overflow.
+std::string_view wrong_sequences(const Submessage& one) {
+  for (const std::size_t at : sequences_of(one.id)) {
+    if (at + 8 > one.body.size()) return "it has a part that is too short";
+    if (one.sequence(at) >= kEndOfSequences) return "it has a number that no sample can have";
+  }
+  return {};
+}
+
 /// Empty: nothing.
 std::string_view wrong_with(const Submessage& one) {
+  if (const auto wrong = wrong_sequences(one); !wrong.empty()) return wrong;
   if (one.id == kData) return wrong_data(one);
   if (one.id == kDataFrag) return wrong_fragments(one);
+  if (one.id == kHeartbeat) return wrong_heartbeat(one);
   return one.id == kGap ? wrong_gap(one) : std::string_view();
 }
 

@@ -32,6 +32,10 @@ inline constexpr std::size_t kLargestAnnouncement = std::size_t{1} << 20U;
 /// The most samples of which one submessage may say that they will never come. A writer's heartbeat says it,
 /// too, of those before its first one.
 inline constexpr std::uint64_t kLongestGap = 10'000'000;
+/// The most samples that a writer may have sent before the first one that it still has. (Each new reader in
+/// Fast DDS counts up to it one by one, in Debian some millions in a second, and nothing else is received
+/// meanwhile.)
+inline constexpr std::uint64_t kMostSamples = 1'000'000'000;
 
 /// A message as Fast DDS 2.9 can read it.
 struct ReadableMessage {
@@ -43,9 +47,11 @@ struct ReadableMessage {
 /// way
 ///   that an endpoint or a participant has left (9.6.3.8: a serialized key, a list of parameters), and of a
 ///   key Fast DDS reads 16 bytes at most.
-/// - Submessages that would make it read or write where it must not, use gigabytes, or work for hours are
-///   refused: data that begins behind its end, fragments that are not there, samples larger than
-///   kLargestSample, gaps longer than kLongestGap. They become submessages of a vendor, which it skips.
+/// - Submessages that would make it read or write where it must not, use gigabytes, end its process or work
+/// for
+///   minutes are refused: data that begins behind its end, fragments that are not there, samples larger than
+///   kLargestSample, gaps longer than kLongestGap, more samples than kMostSamples, numbers that overflow.
+///   They become submessages of a vendor, which it skips.
 ReadableMessage readable_by_fast_dds(std::span<const std::byte> message);
 
 }  // namespace segue::ros2

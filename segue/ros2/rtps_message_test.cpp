@@ -107,6 +107,7 @@ void append_submessage(Bytes& bytes, int id, int flags, const Bytes& body, std::
   bytes.resize(bytes.size() + size);
 }
 
+constexpr std::uint64_t kEndOfSequences = std::uint64_t{1} << 62U;
 constexpr int kQos = 2;
 constexpr int kPayload = 4;
 
@@ -161,7 +162,7 @@ TEST(ReadableMessages, HaveDataThatEndsBehindItsBegin) {
   EXPECT_THAT(refused(kData, kPayload, data_body(24), 7), HasSubstr("begins behind its end"));
   EXPECT_THAT(refused(kData, kPayload, data_body(12), 8), HasSubstr("begins behind its end"));
   EXPECT_THAT(refused(kData, kPayload, data_body(0x8010), 40'000), HasSubstr("begins behind its end"));
-  EXPECT_THAT(refused(kData, kPayload, Bytes(12), 0), HasSubstr("begins behind its end"));
+  EXPECT_THAT(refused(kData, kPayload, Bytes(12), 0), HasSubstr("too short"));
 }
 
 TEST(ReadableMessages, HaveInlineQosThatEnds) {
@@ -214,22 +215,49 @@ TEST(ReadableMessages, HaveRoomForANumberInEachFragment) {
   EXPECT_THAT(refused({1, 1, 1004, 2012}, 1004), IsEmpty());
 }
 
+/// The identifiers of a reader and a writer, and two sequence numbers.
+Bytes body_of_numbers(std::uint64_t first, std::uint64_t second) {
+  Bytes made;
+  append(made, {0, 0, 0, 0, 0, 0, 8, 3});
+  for (const std::uint64_t one : {first, second}) {
+    for (const int shift : {32, 40, 48, 56, 0, 8, 16, 24})
+      made.push_back(static_cast<std::byte>(one >> shift));
+  }
+  return made;
+}
+
 TEST(ReadableMessages, HaveGapsThatEnd) {
   constexpr int kGap = 0x08;
-  const auto body = [](std::uint64_t begin, std::uint64_t end) {
-    Bytes made;
-    append(made, {0, 0, 0, 0, 0, 0, 8, 3});
-    for (const std::uint64_t one : {begin, end}) {
-      for (const int shift : {32, 40, 48, 56, 0, 8, 16, 24})
-        made.push_back(static_cast<std::byte>(one >> shift));
-    }
-    return made;
-  };
-  EXPECT_THAT(refused(kGap, 0, body(1, 1 + kLongestGap), 4), IsEmpty());
-  EXPECT_THAT(refused(kGap, 0, body(7, 3), 4), IsEmpty());
-  EXPECT_THAT(refused(kGap, 0, body(1, 2 + kLongestGap), 4), HasSubstr("gap of too many"));
-  EXPECT_THAT(refused(kGap, 0, body(1, std::uint64_t{1} << 60U), 4), HasSubstr("gap of too many"));
-  EXPECT_THAT(refused(kGap, 0, Bytes(12), 0), HasSubstr("behind its end"));
+  EXPECT_THAT(refused(kGap, 0, body_of_numbers(1, 1 + kLongestGap), 4), IsEmpty());
+  EXPECT_THAT(refused(kGap, 0, body_of_numbers(7, 3), 4), IsEmpty());
+  EXPECT_THAT(refused(kGap, 0, body_of_numbers(1, 2 + kLongestGap), 4), HasSubstr("gap of too many"));
+  EXPECT_THAT(refused(kGap, 0, body_of_numbers(1, kEndOfSequences - 1), 4), HasSubstr("gap of too many"));
+}
+
+TEST(ReadableMessages, HaveHeartbeatsOfWritersThatHaveNotSentTooMuch) {
+  constexpr int kHeartbeat = 0x07;
+  EXPECT_THAT(refused(kHeartbeat, 0, body_of_numbers(1, kEndOfSequences - 1), 4), IsEmpty());
+  EXPECT_THAT(refused(kHeartbeat, 0, body_of_numbers(kMostSamples, kMostSamples), 4), IsEmpty());
+  EXPECT_THAT(refused(kHeartbeat, 0, body_of_numbers(kMostSamples + 1, kMostSamples), 4),
+              HasSubstr("too many samples"));
+}
+
+TEST(ReadableMessages, HaveNumbersThatCanBeComputedWith) {
+  const Bytes large = body_of_numbers(kEndOfSequences, kEndOfSequences);
+  for (const int id : {0x06, 0x07, 0x08, 0x12, 0x13})
+    EXPECT_THAT(refused(id, 0, large, 12), HasSubstr("a number that no sample can have")) << id;
+  for (const int id : {0x06, 0x07, 0x08, 0x12, 0x13})
+    EXPECT_THAT(refused(id, 0, Bytes(15), 0), HasSubstr("too short")) << id;
+  Bytes body = data_body(16);
+  body[15] = std::byte{0x40};
+  EXPECT_THAT(refused(0x15, kPayload, body, 8), HasSubstr("a number that no sample can have"));
+}
+
+TEST(ReadableMessages, HavePartsThatBeginAtMultiplesOfFour) {
+  Bytes message = header();
+  append(message, {0x01, 0x01, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  append_submessage(message, 0x07, 0, body_of_numbers(kEndOfSequences, 0), 4);
+  EXPECT_THAT(readable_by_fast_dds(message).refused, HasSubstr("a number that no sample can have"));
 }
 
 TEST(ReadableMessages, MayHaveALastPartWithoutALength) {
