@@ -2,7 +2,7 @@
 // A message of ROS 2 from one process to another, through ros2::Publisher or ros2::Subscription, beside Fast
 // DDS alone at the same place. The time is that from before the writing to the reader's turn.
 //
-//   ros2_hop_bench [ROUNDS]      default: 3
+//   ros2_hop_bench [ROUNDS]      default: 3; of each, the ratio to the floor of the same round is printed
 #include "ros2/raw_dds.hpp"
 #include "support/floor.hpp"
 #include "support/scratch.hpp"
@@ -17,6 +17,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -24,7 +25,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -266,28 +266,49 @@ std::vector<Duration> measure(const Case& one, std::size_t load, const std::stri
   return durations;
 }
 
-void compare(std::size_t rounds, const std::string& interfaces, const std::string& where, int cpu_of_writer,
-             int cpu_of_reader) {
+struct Place {
+  const char* name;
+  int cpu_of_writer;
+  int cpu_of_reader;
+};
+constexpr std::array kPlaces = {Place{"free to move", -1, -1}, Place{"both on one processor", 0, 0},
+                                Place{"each on its own processor", 0, 1}};
+
+/// Of medians in the same round, since those of different rounds are of different hours.
+std::string ratios(std::vector<double> each) {
+  std::ranges::sort(each);
+  std::array<char, 100> text{};
+  std::snprintf(text.data(), text.size(), "%.2f (%.2f to %.2f)", each[each.size() / 2], each.front(),
+                each.back());
+  return text.data();
+}
+
+void compare(std::size_t rounds, const std::string& interfaces, const Place& place, std::size_t load) {
   const std::array<std::pair<const char*, Case>, 4> cases{
       {{"Fast DDS alone, read by a thread (floor)", {"raw", "thread"}},
        {"Fast DDS alone, read by a listener", {"raw", "listener"}},
        {"ros2::Subscription -> task", {"raw", "segue"}},
        {"task -> ros2::Publisher", {"segue", "thread"}}}};
-  for (std::size_t load = 0; load < kLoads.size(); ++load) {
-    std::map<std::size_t, std::vector<Duration>> all;
-    for (std::size_t round = 0; round < rounds; ++round) {
-      for (std::size_t i = 0; i < cases.size(); ++i) {
-        auto durations = measure(cases[i].second, load, interfaces, cpu_of_writer, cpu_of_reader);
-        all[i].insert(all[i].end(), durations.begin(), durations.end());
-      }
+  std::array<std::vector<Duration>, cases.size()> all;
+  std::array<std::vector<double>, cases.size()> to_floor;
+  for (std::size_t round = 0; round < rounds; ++round) {
+    std::array<double, cases.size()> medians{};
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      const auto durations =
+          measure(cases[i].second, load, interfaces, place.cpu_of_writer, place.cpu_of_reader);
+      all[i].insert(all[i].end(), durations.begin(), durations.end());
+      medians[i] = static_cast<double>(summarise(durations).median.count());
+      if (medians[0] > 0 && medians[i] > 0) to_floor[i].push_back(medians[i] / medians[0]);
     }
-    Table table("A message of ROS 2 of " + std::to_string(kLoads[load].bytes) +
-                " bytes between two processes, " + where);
-    const Duration floor = summarise(all[0]).median;
-    for (std::size_t i = 0; i < cases.size(); ++i)
-      table.add(cases[i].first, summarise(all[i]), 1, i == 0 ? Duration{0} : floor);
-    table.print();
   }
+  Table table("A message of ROS 2 of " + std::to_string(kLoads[load].bytes) +
+              " bytes between two processes, " + place.name);
+  const Duration floor = summarise(all[0]).median;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    table.add(cases[i].first, summarise(all[i]), 1, i == 0 ? Duration{0} : floor);
+    if (i > 0 && !to_floor[i].empty()) table.note("  of the floor, by round", ratios(to_floor[i]));
+  }
+  table.print();
 }
 
 }  // namespace
@@ -299,8 +320,9 @@ int main(int argc, char** argv) {
   const Scratch scratch;
   std::filesystem::create_directories(scratch.path() / "bench_msgs/msg");
   static_cast<void>(scratch.write("bench_msgs/msg/Stamped.msg", "uint64 stamp\nuint8[] payload\n"));
-  compare(rounds, scratch.path().string(), "free to move", -1, -1);
-  compare(rounds, scratch.path().string(), "both on one processor", 0, 0);
-  compare(rounds, scratch.path().string(), "each on its own processor", 0, 1);
+  for (const Place& place : kPlaces) {
+    for (std::size_t load = 0; load < kLoads.size(); ++load)
+      compare(rounds, scratch.path().string(), place, load);
+  }
   return 0;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/control/deployment_client.hpp>
 #include <segue/control/server.hpp>
@@ -49,22 +50,19 @@ std::string computer_name() {
   return whole.substr(0, whole.find('.'));
 }
 
-std::filesystem::path home_folder(const char* variable, const char* fallback) {
-  if (const char* given = std::getenv(variable); given != nullptr && *given == '/') return given;
-  const char* home = std::getenv("HOME");
-  return std::filesystem::path(home == nullptr ? "/tmp" : home) / fallback;
-}
-
 /// Where the daemon keeps what outlives it: /var/lib/segue for root, else $XDG_STATE_HOME/segue.
 std::filesystem::path state_folder() {
-  return ::geteuid() == 0 ? std::filesystem::path("/var/lib/segue")
-                          : home_folder("XDG_STATE_HOME", ".local/state") / "segue";
+  if (::geteuid() == 0) return "/var/lib/segue";
+  if (const char* given = std::getenv("XDG_STATE_HOME"); given != nullptr && *given == '/')
+    return std::filesystem::path(given) / "segue";
+  const char* home = std::getenv("HOME");
+  return std::filesystem::path(home == nullptr ? "/tmp" : home) / ".local/state/segue";
 }
 
 /// The configuration file that is read without --config, if it is there.
 std::filesystem::path usual_config() {
-  return ::geteuid() == 0 ? std::filesystem::path("/etc/segue/host.yaml")
-                          : home_folder("XDG_CONFIG_HOME", ".config") / "segue" / "host.yaml";
+  const auto folder = configuration_folder();
+  return folder ? *folder / "host.yaml" : std::filesystem::path();
 }
 
 /// The file, then the command line, which wins, then the defaults.
@@ -185,8 +183,8 @@ void add_host(Verb& app, Context& context) {
                         "  segue host list robot.yaml",
                         [options, &context] { return run_host(*options, context); });
   verb.option("--config FILE", options->config,
-              "the configuration file; default: /etc/segue/host.yaml for root, else "
-              "$XDG_CONFIG_HOME/segue/host.yaml, if it is there");
+              "the configuration file; default, if it is there: $XDG_CONFIG_HOME/segue/host.yaml, "
+              "~/.config/segue/host.yaml or, for root, /etc/segue/host.yaml");
   verb.option("--listen ADDRESS", options->listen,
               "also serve other computers, at this address and port (default 7447); needs certificates");
   verb.option("--credentials FOLDER", options->credentials,

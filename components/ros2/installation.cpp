@@ -3,6 +3,7 @@
 
 #include <segue/base/child_process.hpp>
 #include <segue/base/file.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/base/pipe.hpp>
 #include <segue/base/text.hpp>
@@ -31,19 +32,12 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 /// How long setup.sh may take.
 constexpr std::chrono::seconds kPatience{20};
 
-std::string variable(const char* name) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? std::string() : text;
-}
-
 /// Empty: there is no place for it.
 fs::path file_of_installations() {
-  if (const std::string chosen = variable("SEGUE_ROS2_INSTALLATIONS"); !chosen.empty()) return chosen;
-  if (const std::string config = variable("XDG_CONFIG_HOME"); !config.empty())
-    return fs::path(config) / "segue/ros2.yaml";
-  if (::geteuid() == 0) return "/etc/segue/ros2.yaml";
-  const std::string home = variable("HOME");
-  return home.empty() ? fs::path() : fs::path(home) / ".config/segue/ros2.yaml";
+  const char* chosen = std::getenv("SEGUE_ROS2_INSTALLATIONS");
+  if (chosen != nullptr && *chosen != '\0') return chosen;
+  const auto folder = segue::configuration_folder();
+  return folder ? *folder / "ros2.yaml" : fs::path();
 }
 
 segue::Error problem(const fs::path& file, const std::string& text) {

@@ -23,6 +23,13 @@ std::filesystem::path folder_by_environment() {
   return "/tmp/segue-" + std::to_string(::geteuid());
 }
 
+/// Empty unless it is an absolute path: others are to be ignored (XDG Base Directory Specification).
+std::filesystem::path absolute_path_in(const char* variable) {
+  const char* value = std::getenv(variable);
+  const std::filesystem::path folder = value == nullptr ? "" : value;
+  return folder.is_absolute() ? folder : std::filesystem::path();
+}
+
 /// Anybody may have created the folder in /tmp before us, or have put a link there.
 Result<void> check_folder(const std::filesystem::path& folder) {
   struct stat status {};
@@ -58,6 +65,14 @@ Result<std::filesystem::path> runtime_folder() {
   auto folder = folder_by_environment();
   if (auto made = make_private_folder(folder); !made) return std::move(made.error());
   return folder;
+}
+
+Result<std::filesystem::path> configuration_folder() {
+  if (const auto given = absolute_path_in("XDG_CONFIG_HOME"); !given.empty()) return given / "segue";
+  if (::geteuid() == 0) return std::filesystem::path("/etc/segue");
+  if (const auto home = absolute_path_in("HOME"); !home.empty()) return home / ".config" / "segue";
+  return fail(ErrorCode::InvalidState,
+              "there is no folder for configuration: neither XDG_CONFIG_HOME nor HOME names one");
 }
 
 std::vector<std::filesystem::path> install_prefixes() {

@@ -12,6 +12,10 @@ namespace segue {
 /// with mode 0700; PermissionDenied where it belongs to somebody else. Any thread.
 Result<std::filesystem::path> runtime_folder();
 
+/// The folder for the user's configuration: `$XDG_CONFIG_HOME/segue`, for root `/etc/segue`, else
+/// `~/.config/segue`. It need not exist. InvalidState where neither variable is an absolute path. Any thread.
+Result<std::filesystem::path> configuration_folder();
+
 /// Creates a folder (not its parents) that only this user may enter; an existing one is made private.
 /// PermissionDenied where it belongs to somebody else, is a link or is not a folder.
 Result<void> make_private_folder(const std::filesystem::path& folder);

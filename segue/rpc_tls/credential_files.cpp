@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
+#include <segue/base/folders.hpp>
 #include <segue/base/text.hpp>
 #include <segue/rpc_tls/authority.hpp>
 #include <segue/rpc_tls/credential_files.hpp>
 #include <segue/rpc_tls/tls_context.hpp>
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -18,19 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `$XDG_CONFIG_HOME/segue/NAME`, `~/.config/segue/NAME` or, for root, `/etc/segue/NAME`.
 Result<fs::path> configured(const char* name) {
-  const auto from = [](const char* variable) {
-    const char* value = std::getenv(variable);
-    const fs::path folder = value == nullptr ? "" : value;
-    return folder.is_absolute() ? folder : fs::path();
-  };
-  if (const auto config = from("XDG_CONFIG_HOME"); !config.empty()) return config / "segue" / name;
-  if (::geteuid() == 0) return fs::path("/etc/segue") / name;
-  if (const auto home = from("HOME"); !home.empty()) return home / ".config" / "segue" / name;
-  return fail(ErrorCode::InvalidState,
-              "there is no place for certificates: neither XDG_CONFIG_HOME nor HOME "
-              "names a folder; name one");
+  auto folder = configuration_folder();
+  if (!folder)
+    return fail(ErrorCode::InvalidState, "there is no place for certificates; name one")
+        .because_of(folder.error());
+  return *folder / name;
 }
 
 /// The names in the folder that have a certificate and a key, for one use or the other.
