@@ -2,6 +2,13 @@
 #include "peers/managed_peer.hpp"
 #include "topics_test_support.hpp"
 
+#include <segue/ros2/message_codec.hpp>
+#include <segue/ros2/parameter_value.hpp>
+#include <segue/task/realtime_log.hpp>
+#include <segue/type/json.hpp>
+
+#include <support/logged_lines.hpp>
+
 #include <future>
 
 namespace ros2::testing {
@@ -120,6 +127,40 @@ TEST_P(ManagedNodes, GetParametersWhileTheyRunOrRefuseThem) {
               HasSubstr("node /talker refuses its parameters: parameter 'unknown' has not been declared"));
   EXPECT_EQ(task.task().properties().find("parameters")->find("rate")->as_int(), 20);
   EXPECT_EQ(node.transitions(), (Numbers{1, 3})) << "it goes on";
+}
+
+/// A message of /parameter_events, as rclcpp sends it.
+Bytes parameter_event(const std::string& node, const char* kind, int rate) {
+  segue::ros2::InterfaceLibrary library;
+  const auto codec = segue::ros2::MessageCodec::of(library, "rcl_interfaces/msg/ParameterEvent").value();
+  const Value changed = Value::map({{"name", "rate"}, {"value", *segue::ros2::parameter_value(Value(rate))}});
+  return codec.encode(Value::map({{"node", node}, {kind, Value::list({changed})}}), "event").value();
+}
+
+TEST_P(ManagedNodes, TellWhichParametersOthersHaveChanged) {
+  segue::testing::LoggedLines lines;
+  const segue::task::RealtimeLogDrain drain;
+  auto values = node_properties();
+  values["parameters"] = Value::map({{"rate", 10}});
+  EXPECT_EQ(configure(values), "");
+  ASSERT_TRUE(task.task().start(soon()));
+  const auto other = make_peer();
+  other->advertise({"/parameter_events", "rcl_interfaces/msg/ParameterEvent", "", {}});
+  ASSERT_TRUE(eventually([&] { return other->subscriptions() == 1; }));
+  const auto changed = [&] {
+    return segue::type::to_json(task.task().call("changed_parameters", {}, soon()).value(), -1);
+  };
+  other->publish(parameter_event("/talker", "new_parameters", 10));
+  other->publish(parameter_event("/other", "changed_parameters", 5));
+  other->publish(parameter_event("/talker", "changed_parameters", 20));
+  EXPECT_TRUE(eventually([&] { return changed() == R"(["rate is 20, not 10"])"; })) << changed();
+  EXPECT_TRUE(lines.has({"node /talker: somebody else has changed a parameter: rate is 20, not 10"}));
+  other->publish(parameter_event("/talker", "deleted_parameters", 20));
+  EXPECT_TRUE(eventually([&] { return changed() == R"(["rate is not set, not 10"])"; })) << changed();
+  other->publish(parameter_event("/talker", "changed_parameters", 20));
+  EXPECT_TRUE(eventually([&] { return changed() == R"(["rate is 20, not 10"])"; }));
+  ASSERT_TRUE(task.task().set_properties(Value::map({{"parameters", Value::map({{"rate", 20}})}}), soon()));
+  EXPECT_EQ(changed(), "[]") << "that is what is wanted now";
 }
 
 TEST_P(ManagedNodes, ThatLeaveTheirStateBringAnException) {

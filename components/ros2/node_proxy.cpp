@@ -6,6 +6,7 @@
 #include <segue/ros2/dds_names.hpp>
 #include <segue/ros2/node_topics.hpp>
 #include <segue/ros2/parameter_value.hpp>
+#include <segue/type/json.hpp>
 
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -96,10 +97,15 @@ void NodeProxy::leave_all() {
 }
 
 Result<void> NodeProxy::start_node(segue::TimePoint deadline) {
+  if (!is_empty(parameters_.value())) {
+    if (auto watched = watch_parameters(); !watched) return watched;
+  }
   if (!starts_node()) return is_empty(parameters_.value()) ? Result<void>() : make_parameter_client();
   auto started = StartedNode::start(shared_participant(), {*name_, *process_, parameters_.value()}, deadline);
   if (!started) return started.error();
   started_ = std::move(*started);
+  if (auto request = segue::ros2::parameters_request(parameters_.value(), "parameters"))
+    expect_parameters(*request);
   return {};
 }
 
@@ -110,6 +116,42 @@ void NodeProxy::finish_node() {
   }
   started_.reset();
   parameter_client_.reset();
+  parameter_watch_.reset();
+  changed_before_.clear();
+  said_.clear();
+}
+
+Result<void> NodeProxy::watch_parameters() {
+  if (parameter_watch_) return {};
+  auto watch = ParameterWatch::make(shared_participant(), *name_);
+  if (!watch) return watch.error();
+  parameter_watch_ = std::move(*watch);
+  return {};
+}
+
+void NodeProxy::expect_parameters(const Value& request) {
+  if (parameter_watch_) parameter_watch_->expect(request);
+}
+
+std::vector<std::string> NodeProxy::changed_parameters() const {
+  std::vector<std::string> texts;
+  if (!parameter_watch_) return texts;
+  for (const auto& [name, expected, now] : parameter_watch_->differences()) {
+    texts.push_back(name + (now.is_null() ? " is not set" : " is " + segue::type::to_json(now, -1)) +
+                    ", not " + segue::type::to_json(expected, -1));
+  }
+  return texts;
+}
+
+void NodeProxy::say_changed_parameters() {
+  std::set<std::string> now;
+  for (std::string& text : changed_parameters()) {
+    if (changed_before_.contains(text) && said_.insert(text).second)
+      log(segue::LogLevel::Warning, "node " + *name_ + ": somebody else has changed a parameter: " + text);
+    now.insert(std::move(text));
+  }
+  std::erase_if(said_, [&now](const std::string& text) { return !now.contains(text); });
+  changed_before_ = std::move(now);
 }
 
 Result<void> NodeProxy::make_parameter_client() {
@@ -131,6 +173,7 @@ Result<void> NodeProxy::request_parameters(const Value& parameters, segue::TimeP
     const Watch watch(started_.get(), [this] { parameter_client_->cancel(); });
     done = parameter_client_->set(*request, deadline);
   }
+  if (done) expect_parameters(*request);
   return done ? done : cause_of(std::move(done.error()));
 }
 
@@ -138,6 +181,7 @@ Result<void> NodeProxy::set_live(const Value& parameters) {
   if (starts_node() && !started_) return {};  // it gets them when it is started
   if (!parameter_client_) {
     if (auto made = make_parameter_client(); !made) return made;
+    if (auto watched = watch_parameters(); !watched) return watched;
     announce_requesters(requesters_);
   }
   return request_parameters(parameters, deadline());
@@ -178,13 +222,16 @@ bool NodeProxy::look() {
     return false;
   }
   std::uint64_t expired = 0;
-  return ::read(timer_.get(), &expired, sizeof expired) == sizeof expired;
+  if (::read(timer_.get(), &expired, sizeof expired) != sizeof expired) return false;
+  say_changed_parameters();
+  return true;
 }
 
 void NodeProxy::announce_requesters(std::vector<const Requester*> requesters) {
   requesters_ = requesters;
   if (parameter_client_) requesters.push_back(&parameter_client_->requester());
   auto [publishers, subscriptions] = ports_.gids();
+  if (parameter_watch_) subscriptions.push_back(parameter_watch_->gid());
   for (const Requester* requester : requesters) {
     publishers.push_back(requester->publisher());
     subscriptions.push_back(requester->subscription());

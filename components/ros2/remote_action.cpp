@@ -3,10 +3,6 @@
 
 #include <segue/base/clock.hpp>
 #include <segue/concurrent/thread.hpp>
-#include <segue/ros2/dds_names.hpp>
-
-#include <fastdds/dds/subscriber/DataReaderListener.hpp>
-#include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -24,42 +20,6 @@ using segue::type::Value;
 constexpr std::chrono::seconds kComesBack{60};
 
 }  // namespace
-
-/// Takes the messages of a topic in the thread in which Fast DDS receives them.
-class RemoteAction::Messages final : private dds::DataReaderListener, private MessageSink {
- public:
-  explicit Messages(std::function<void(std::span<const std::byte>)> take) : take_(std::move(take)) {}
-
-  segue::Result<void> open(Participant& participant, const std::string& topic,
-                           const segue::ros2::MessageCodec& message, const segue::ros2::Quality& quality) {
-    auto name = segue::ros2::dds_topic_name(topic);
-    if (!name) return name.error();
-    auto reader = participant.make_reader({*name, message.dds_type()}, quality,
-                                          "typehash=" + message.type_hash() + ";", this);
-    if (!reader) return reader.error();
-    reader_ = std::move(*reader);
-    return {};
-  }
-  [[nodiscard]] segue::ros2::Gid gid() const { return gid_of(reader_->guid()); }
-
- private:
-  void on_data_available(dds::DataReader* reader) override {
-    dds::SampleInfo info;
-    while (reader->take_next_sample(static_cast<MessageSink*>(this), &info) == ReturnCode_t::RETCODE_OK) {
-    }
-  }
-  bool take(std::span<const std::byte> message) noexcept override {
-    try {
-      take_(message);
-      return true;
-    } catch (const std::bad_alloc&) {
-      return false;
-    }
-  }
-
-  const std::function<void(std::span<const std::byte>)> take_;
-  Participant::Owned<dds::DataReader> reader_;
-};
 
 segue::Result<std::unique_ptr<RemoteAction>> RemoteAction::make(std::shared_ptr<Participant> participant,
                                                                 segue::ros2::InterfaceLibrary& library,
@@ -97,8 +57,8 @@ segue::Result<void> RemoteAction::open(segue::ros2::InterfaceLibrary& library) {
     if (!made) return made.error();
     part.requester = std::move(*made);
   }
-  feedback_in_ = std::make_unique<Messages>([this](auto bytes) { take_feedback(bytes); });
-  status_in_ = std::make_unique<Messages>([this](auto bytes) { take_status(bytes); });
+  feedback_in_ = std::make_unique<MessageReader>([this](auto bytes) { take_feedback(bytes); });
+  status_in_ = std::make_unique<MessageReader>([this](auto bytes) { take_status(bytes); });
   if (auto opened =
           feedback_in_->open(*participant_, messages_.feedback_topic(), messages_.feedback_message, {});
       !opened)

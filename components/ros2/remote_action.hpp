@@ -2,6 +2,7 @@
 #pragma once
 
 #include "action_messages.hpp"
+#include "message_reader.hpp"
 #include "requester.hpp"
 
 #include <segue/base/condition_variable.hpp>
@@ -83,8 +84,6 @@ class RemoteAction {
     GoalId id{};
     bool cancels = false;  ///< else asks for the result
   };
-  class Messages;
-
   RemoteAction(std::shared_ptr<Participant> participant, ActionMessages messages, GoalListener& listener);
   segue::Result<void> open(segue::ros2::InterfaceLibrary& library);
   static segue::type::Value cancel_request(const GoalId& id);
@@ -126,8 +125,8 @@ class RemoteAction {
   std::unique_ptr<Requester> send_goal_;
   std::unique_ptr<Requester> cancel_goal_;
   std::unique_ptr<Requester> get_result_;
-  std::unique_ptr<Messages> feedback_in_;
-  std::unique_ptr<Messages> status_in_;
+  std::unique_ptr<MessageReader> feedback_in_;
+  std::unique_ptr<MessageReader> status_in_;
   std::thread sender_;  ///< between start() and stop()
 };
 
