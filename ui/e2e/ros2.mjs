@@ -57,6 +57,13 @@ async function lookUntil(page, what) {
   }
 }
 
+/** On all screens; and takes a picture. */
+async function looksWell(page, name) {
+  assert.deepEqual(await lookAt(stage, page, name), []);
+  await page.setViewportSize({ width: 1360, height: 820 });
+  await stage.capture(page, name);
+}
+
 async function nobody(page) {
   await page.getByRole('link', { name: 'ROS 2' }).waitFor();
   await page.keyboard.press('8');
@@ -69,12 +76,11 @@ async function listed(page) {
   await lookUntil(page, line(page, '/lidar').filter({ hasText: 'active' }));
   await lookUntil(page, line(page, '/scout/drive').filter({ hasText: 'active' }));
   await lookUntil(page, line(page, '/listener'));
-  await line(page, '/lidar').filter({ hasText: 'stood for by task front.lidar' }).waitFor();
+  await line(page, '/lidar').filter({ hasText: /(?<!is )task front.lidar/ }).waitFor();
   await line(page, '/scout/drive').filter({ hasText: 'is task drive' }).waitFor();
-  await lookUntil(page, page.getByRole('row', { name: /^\/words/ }).filter({ hasText: '/listener gets nothing from /voice: reliability: best_effort is offered, reliable is requested' }));
+  await lookUntil(page, page.getByRole('row').filter({ hasText: '/listener gets nothing from /voice: reliability: best_effort is offered, reliable is requested' }));
   await page.getByText(/domain \d+: \d+ nodes, \d+ topics, as of \d\d:\d\d:\d\d/).waitFor();
-  assert.deepEqual(await lookAt(stage, page, 'ros2_topics'), []);
-  await page.setViewportSize({ width: 1360, height: 820 });
+  await looksWell(page, 'ros2_topics');
 }
 
 async function described(page) {
@@ -91,8 +97,7 @@ async function described(page) {
   await lidar.getByText('copied').waitFor();
   assert.match(await page.evaluate(() => navigator.clipboard.readText()), /^# .*\ntasks:\n(.*\n)*  lidar:\n    component: ros2::ManagedNode\n/);
   assert.equal(await page.evaluate(() => window.hostile), undefined);
-  assert.deepEqual(await lookAt(stage, page, 'ros2_node'), []);
-  await page.setViewportSize({ width: 1360, height: 820 });
+  await looksWell(page, 'ros2_node');
 }
 
 /** From a node to its task, and back. */

@@ -55,8 +55,8 @@ function TasksOfNode({ node, seen, status }: { node: Ros2Node; seen: Ros2Seen; s
   return (
     <p>
       {own && <>It is the robot&apos;s task {links([own])}. </>}
-      {own === '' && <>It is a node of Segue. </>}
-      {tasks.length > 0 && <>In the robot it is stood for by the task {links(tasks)}. </>}
+      {own === '' && 'It is a node of Segue. '}
+      {tasks.length > 0 && <>The robot&apos;s task {links(tasks)} stands for it.</>}
       {tasks.length === 0 && own === null && <span className="quiet">No task of the robot that runs stands for it.</span>}
     </p>
   );

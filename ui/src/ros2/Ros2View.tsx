@@ -102,11 +102,9 @@ function NodeLine({ node, seen, status, chosen }: LineProps) {
   return (
     <li>
       <a className="line" href={addressOf('ros2', node.name)} aria-current={chosen ? 'true' : undefined}>
-        <span>
-          <Name text={node.name} />
-          {tasks.length > 0 && <span className="quiet"><br />{own ? 'is' : 'stood for by'} task {tasks.join(', ')}</span>}
-        </span>
+        <span><Name text={node.name} /></span>
         <StateBadge node={node} />
+        {tasks.length > 0 && <span className="quiet of-task">{own ? 'is ' : ''}task {tasks.join(', ')}</span>}
       </a>
     </li>
   );

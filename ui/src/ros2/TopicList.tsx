@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { Fragment } from 'react';
 import { Name } from '../Name';
 import { NodeNames } from './NodeNames';
 import { mismatchText, withAllWords, type Ros2Seen, type Ros2Topic } from './ros2';
@@ -26,12 +27,15 @@ export function TopicList({ seen, words }: { seen: Ros2Seen; words: string }) {
         </thead>
         <tbody>
           {found.map((topic) => (
-            <tr key={topic.topic}>
-              <td><strong><Name text={topic.topic} /></strong><Mismatches topic={topic} /></td>
-              <td>{topic.types.map((type) => <div key={type}><Name text={type} /></div>)}</td>
-              <td><NodeNames names={topic.publishers} /></td>
-              <td><NodeNames names={topic.subscriptions} /></td>
-            </tr>
+            <Fragment key={topic.topic}>
+              <tr>
+                <td><strong><Name text={topic.topic} /></strong></td>
+                <td>{topic.types.map((type) => <div key={type}><Name text={type} /></div>)}</td>
+                <td><NodeNames names={topic.publishers} /></td>
+                <td><NodeNames names={topic.subscriptions} /></td>
+              </tr>
+              {topic.mismatches.length > 0 && <tr className="below"><td colSpan={4}><Mismatches topic={topic} /></td></tr>}
+            </Fragment>
           ))}
         </tbody>
       </table>
