@@ -100,6 +100,22 @@ async function described(page) {
   await looksWell(page, 'ros2_node');
 }
 
+/** The node as a task of the network that is edited; nothing is saved. */
+async function added(page) {
+  const lidar = node(page, '/lidar');
+  await lidar.getByLabel('Network to add it to').selectOption('controllers/scout.yaml');
+  await lidar.getByRole('button', { name: 'Add to' }).click();
+  await lidar.getByText('added as lidar, not saved yet').waitFor();
+  await lidar.getByRole('link', { name: 'edit controllers/scout.yaml' }).click();
+  const edit = page.getByRole('region', { name: 'Edit controllers/scout.yaml' });
+  await edit.getByText('unsaved changes').waitFor();
+  await edit.locator('.react-flow__node[data-id=lidar]').waitFor();
+  await edit.getByRole('button', { name: 'Undo' }).click();
+  await edit.getByText('as in the file').waitFor();
+  await page.goBack();
+  await lidar.waitFor();
+}
+
 /** From a node to its task, and back. */
 async function follow(page) {
   await node(page, '/lidar').getByRole('link', { name: 'front.lidar' }).click();
@@ -137,6 +153,7 @@ await stage.play(async () => {
   stage.run(['switch', 'scout']);
   await listed(page);
   await described(page);
+  await added(page);
   await follow(page);
   await gone(page, listener, running);
 });
