@@ -97,6 +97,7 @@ async function described(page) {
   await lidar.getByText('copied').waitFor();
   assert.match(await page.evaluate(() => navigator.clipboard.readText()), /^# .*\ntasks:\n(.*\n)*  lidar:\n    component: ros2::ManagedNode\n/);
   assert.equal(await page.evaluate(() => window.hostile), undefined);
+  await lidar.getByLabel('Network to add it to').waitFor();
   await looksWell(page, 'ros2_node');
 }
 
