@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -21,6 +22,7 @@
 #include "stop_signal.hpp"
 #include "studio_missions.hpp"
 #include "studio_process.hpp"
+#include "studio_ros2.hpp"
 
 namespace segue::cli {
 
@@ -84,6 +86,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
   const auto credentials = credentials_of(options);
   if (!credentials) return failed(context, credentials.error());
   StudioMissions missions(robot);
+  std::stop_source end;
   const web::ServerOptions serving = {
       .port = static_cast<std::uint16_t>(options.port),
       .listen = options.listen.empty() ? "127.0.0.1" : options.listen,
@@ -93,6 +96,9 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
       .models = models_for_editing,
       .run_mission = [&missions](const web::MissionOrder& order,
                                  TimePoint deadline) { return missions.run(order, deadline); },
+      .look_at_ros2 = [stop = end.get_token()](
+                          const web::Ros2Place& place,
+                          TimePoint deadline) { return look_for_pages(place, Wait(deadline, stop)); },
       .entered =
           [&context](const std::string& address) {
             if (!context.json()) print_line("browser connected; to open another:");
@@ -103,6 +109,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
   if (!context.json()) print_line(introduction(robot, options, credentials->has_value()));
   print_address((*server)->address(), context);
   stop.wait(std::nullopt);
+  end.request_stop();
   if (missions.running() > 0) print_note("the mission that was started here ends, too");
   missions.end();
   return kDone;

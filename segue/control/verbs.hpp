@@ -44,6 +44,7 @@ enum class Verb : std::uint8_t {
   SetUnits,
   ShutDown,
   LookAtFiles,
+  LookAtRos2,
   ChangeFiles,
   RunScripts  ///< to start missions whose Python runs as the user of a server
 };
@@ -55,7 +56,7 @@ struct VerbRule {
 };
 
 /// The only table of who may do what, in the order of the verbs.
-inline constexpr std::array<VerbRule, 35> kVerbRules = {
+inline constexpr std::array<VerbRule, 36> kVerbRules = {
     {{Verb::Status, "status", Role::Observe},
      {Verb::Task, "task", Role::Observe},
      {Verb::Watch, "watch", Role::Observe},
@@ -89,6 +90,7 @@ inline constexpr std::array<VerbRule, 35> kVerbRules = {
      {Verb::SetUnits, "set_units", Role::Operate},
      {Verb::ShutDown, "shut_down", Role::Operate},
      {Verb::LookAtFiles, "look_at_files", Role::Observe},
+     {Verb::LookAtRos2, "look_at_ros2", Role::Observe},
      {Verb::ChangeFiles, "change_files", Role::Operate},
      {Verb::RunScripts, "run_scripts", Role::Administer}}};
 

@@ -127,10 +127,6 @@ Value to_value(const std::string& name, Collected node) {
                      {"unseen_endpoints", node.unseen}});
 }
 
-Value names(const std::multiset<std::string>& nodes) {
-  return Value(Value::List(nodes.begin(), nodes.end()));
-}
-
 std::map<Gid, std::string> owners(const GraphSnapshot& graph) {
   std::map<Gid, std::string> nodes;
   for (const SeenParticipant& participant : graph.participants) {
@@ -142,6 +138,38 @@ std::map<Gid, std::string> owners(const GraphSnapshot& graph) {
     }
   }
   return nodes;
+}
+
+/// The endpoints of a topic, each with its node ("": of none).
+struct Topic {
+  using End = std::pair<std::string, const Endpoint*>;
+  std::set<std::string> types;
+  std::vector<End> publishers, subscriptions;
+};
+
+Value names(const std::vector<Topic::End>& ends) {
+  std::multiset<std::string> nodes;
+  for (const auto& [node, endpoint] : ends)
+    nodes.insert(node);
+  return Value(Value::List(nodes.begin(), nodes.end()));
+}
+
+Value mismatches_of(const Topic& topic) {
+  Value::List found;
+  for (const auto& [from, offered] : topic.publishers) {
+    for (const auto& [to, requested] : topic.subscriptions) {
+      auto reasons = mismatches(offered->quality, requested->quality);
+      if (offered->type != requested->type)
+        reasons.insert(reasons.begin(), "type: " + interface_of_dds_type(offered->type) + " is offered, " +
+                                            interface_of_dds_type(requested->type) + " is requested");
+      if (reasons.empty()) continue;
+      if (found.size() == NodeGraph::kMostMismatches) return Value(std::move(found));
+      found.push_back(Value::map({{"publisher", from},
+                                  {"subscription", to},
+                                  {"reasons", Value(Value::List(reasons.begin(), reasons.end()))}}));
+    }
+  }
+  return Value(std::move(found));
 }
 
 }  // namespace
@@ -173,10 +201,6 @@ Value::List describe_nodes(const GraphSnapshot& graph) {
 }
 
 Value::List describe_topics(const GraphSnapshot& graph) {
-  struct Topic {
-    std::set<std::string> types;
-    std::multiset<std::string> publishers, subscriptions;
-  };
   const auto nodes = owners(graph);
   std::map<std::string, Topic> topics;
   for (const Endpoint& endpoint : graph.endpoints) {
@@ -185,14 +209,15 @@ Value::List describe_topics(const GraphSnapshot& graph) {
     topic.types.insert(interface_of_dds_type(endpoint.type));
     const auto owner = nodes.find(endpoint.gid);
     (endpoint.publishes ? topic.publishers : topic.subscriptions)
-        .insert(owner == nodes.end() ? std::string() : owner->second);
+        .emplace_back(owner == nodes.end() ? std::string() : owner->second, &endpoint);
   }
   Value::List all;
   for (const auto& [name, topic] : topics) {
     all.push_back(Value::map({{"topic", name},
                               {"types", Value(Value::List(topic.types.begin(), topic.types.end()))},
                               {"publishers", names(topic.publishers)},
-                              {"subscriptions", names(topic.subscriptions)}}));
+                              {"subscriptions", names(topic.subscriptions)},
+                              {"mismatches", mismatches_of(topic)}}));
   }
   return all;
 }

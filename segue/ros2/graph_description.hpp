@@ -16,7 +16,9 @@ namespace segue::ros2 {
 type::Value::List describe_nodes(const GraphSnapshot& graph);
 
 /// All topics, sorted by name, but for the parts of actions: {topic, types: [TYPE], publishers: [NODE],
-/// subscriptions: [NODE]}. A name is "" where no node says that the endpoint is its own.
+/// subscriptions: [NODE], mismatches: [{publisher: NODE, subscription: NODE, reasons: [TEXT]}]}. A name is ""
+/// where no node says that the endpoint is its own. Mismatches, NodeGraph::kMostMismatches of a topic at
+/// most, are the pairs between which no samples travel, as mismatches() says or since their types differ.
 type::Value::List describe_topics(const GraphSnapshot& graph);
 
 }  // namespace segue::ros2

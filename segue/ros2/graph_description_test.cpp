@@ -93,12 +93,47 @@ TEST(GraphDescription, HasTopicsWithTheNodesOnBothSides) {
   graph.set(endpoint(1, true, "rt/chatter", "std_msgs::msg::dds_::String_"));
   graph.set(endpoint(2, false, "rt/chatter", "std_msgs::msg::dds_::Int32_"));
   graph.set(ParticipantEntities{gid_number(9), {{"/", "talker", {}, {gid_number(1)}}}});
-  EXPECT_EQ(Value(describe_topics(graph.snapshot())),
-            Value::list({Value::map({{"topic", "/chatter"},
-                                     {"types", Value::list({"std_msgs/msg/Int32", "std_msgs/msg/String"})},
-                                     {"publishers", Value::list({"/talker"})},
-                                     {"subscriptions", Value::list({""})}})}))
+  EXPECT_EQ(
+      Value(describe_topics(graph.snapshot())),
+      Value::list({Value::map(
+          {{"topic", "/chatter"},
+           {"types", Value::list({"std_msgs/msg/Int32", "std_msgs/msg/String"})},
+           {"publishers", Value::list({"/talker"})},
+           {"subscriptions", Value::list({""})},
+           {"mismatches",
+            Value::list({Value::map({{"publisher", "/talker"},
+                                     {"subscription", ""},
+                                     {"reasons", Value::list({"type: std_msgs/msg/String is offered, "
+                                                              "std_msgs/msg/Int32 is requested"})}})})}})}))
       << "the subscription is not a node's";
+}
+
+TEST(GraphDescription, SaysWhyNoSamplesTravelBetweenTwoNodes) {
+  NodeGraph graph;
+  Endpoint scan = endpoint(1, true, "rt/scan", "sensor_msgs::msg::dds_::LaserScan_");
+  scan.quality.reliability = Reliability::BestEffort;
+  graph.set(scan);
+  scan.publishes = false;
+  for (std::uint8_t number = 2; number < 4; ++number) {
+    scan.gid = gid_number(number);
+    graph.set(scan);
+    scan.quality.reliability = Reliability::Reliable;
+  }
+  graph.set(ParticipantEntities{gid_number(9),
+                                {{"/", "lidar", {gid_number(1)}, {}},
+                                 {"/", "map", {}, {gid_number(2)}},
+                                 {"/", "slam", {}, {gid_number(3)}}}});
+  EXPECT_EQ(*describe_topics(graph.snapshot()).at(0).find("mismatches"),
+            Value::list({Value::map({{"publisher", "/lidar"},
+                                     {"subscription", "/slam"},
+                                     {"reasons", Value::list({"reliability: best_effort is offered, reliable "
+                                                              "is requested"})}})}));
+  for (std::uint8_t number = 10; number < 200; ++number) {
+    scan.gid = gid_number(number);
+    graph.set(scan);
+  }
+  EXPECT_EQ(describe_topics(graph.snapshot()).at(0).find("mismatches")->as_list().size(),
+            NodeGraph::kMostMismatches);
 }
 
 }  // namespace

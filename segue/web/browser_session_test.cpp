@@ -101,6 +101,7 @@ TEST_F(SessionTest, EachVerbNeedsItsRole) {
       {"libraries", control::Verb::LookAtFiles},
       {"semantic_data", control::Verb::LookAtFiles},
       {"check_semantic_data", control::Verb::LookAtFiles},
+      {"look_at_ros2", control::Verb::LookAtRos2},
       {"save_semantic_data", control::Verb::ChangeFiles},
       {"save_file", control::Verb::ChangeFiles},
       {"create_file", control::Verb::ChangeFiles},

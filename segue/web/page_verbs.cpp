@@ -210,10 +210,11 @@ Result<Value> ask_past(const Request& request) {
 using OfRobot = Result<Value> (*)(const Request&);
 using OfFiles = Result<Value> (FileVerbs::*)(const Command&);
 using OfMissions = Result<Value> (MissionStarts::*)(const Command&, const PageUser& user);
+using OfRos2 = void (Ros2Looks::*)(const Command&, Ros2Looks::Answer);
 
 struct VerbEntry {
   VerbForm form;
-  std::variant<OfRobot, OfFiles, OfMissions> execute;
+  std::variant<OfRobot, OfFiles, OfMissions, OfRos2> execute;
 };
 
 const std::vector<VerbEntry>& verb_entries() {
@@ -253,6 +254,7 @@ const std::vector<VerbEntry>& verb_entries() {
        &FileVerbs::check_semantic_data},
       {{"save_semantic_data", Verb::ChangeFiles, {"path", "state", "version", "edits"}},
        &FileVerbs::save_semantic_data},
+      {{"look_at_ros2", Verb::LookAtRos2, {"domain", "discovery"}}, &Ros2Looks::begin},
       {{"plan_files", Verb::Plan, {"force", "order", "timeout_s"}}, ask_plan},
       {{"apply_files", Verb::Apply, {"force", "order", "take_over", "timeout_s"}}, do_apply},
   };
@@ -275,8 +277,11 @@ std::vector<VerbForm> verb_forms() {
   return forms;
 }
 
-Verbs::Verbs(RobotLink& link, ModelsOf models, RunMission run)
-    : link_(link), files_(link, std::move(models)), missions_(files_, std::move(run)) {}
+Verbs::Verbs(RobotLink& link, ModelsOf models, RunMission run, LookAtRos2 look)
+    : link_(link),
+      files_(link, std::move(models)),
+      missions_(files_, std::move(run)),
+      looks_(link, std::move(look)) {}
 
 void Verbs::begin(Command command, Role role, const std::string& who, Answer answer) {
   const VerbEntry* entry = find_verb(command.verb());
@@ -298,8 +303,15 @@ void Verbs::begin(Command command, Role role, const std::string& who, Answer ans
   concurrent::ThreadPool& pool = entry->form.verb == Verb::Stop ? stops_ : pool_;
   const bool accepted =
       pool.try_submit([this, command = std::move(command), user = PageUser{who, role}, shared, observes] {
+        const auto leave = [&] {
+          if (observes) --calls_of_observers_;
+        };
+        if (const auto* of_ros2 = std::get_if<OfRos2>(&find_verb(command.verb())->execute)) {
+          leave();  // only one of those who ask keeps this thread
+          return (looks_.**of_ros2)(command, *shared);
+        }
         const auto result = execute(command, user);
-        if (observes) --calls_of_observers_;
+        leave();
         (*shared)(result);
       });
   if (accepted) return;

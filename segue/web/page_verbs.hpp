@@ -10,6 +10,7 @@
 #include <segue/web/files_verbs.hpp>
 #include <segue/web/mission_starts.hpp>
 #include <segue/web/robot_link.hpp>
+#include <segue/web/ros2_looks.hpp>
 
 #include <atomic>
 #include <cstddef>
@@ -34,7 +35,7 @@ std::vector<VerbForm> verb_forms();
 /// nobody. All functions may be called from any thread.
 class Verbs {
  public:
-  using Answer = std::function<void(Result<type::Value>)>;
+  using Answer = Ros2Looks::Answer;
 
   /// The most calls at once; further ones are refused with ResourceExhausted.
   static constexpr std::size_t kMostCalls = 12;
@@ -43,7 +44,7 @@ class Verbs {
   /// Calls that stop the robot, beside the others: nothing keeps them waiting.
   static constexpr std::size_t kMostStops = 4;
 
-  explicit Verbs(RobotLink& link, ModelsOf models = {}, RunMission run = {});
+  explicit Verbs(RobotLink& link, ModelsOf models = {}, RunMission run = {}, LookAtRos2 look = {});
   /// Waits for the calls in progress, until their deadlines at most.
   ~Verbs() {
     pool_.close();
@@ -62,6 +63,7 @@ class Verbs {
   RobotLink& link_;
   FileVerbs files_;
   MissionStarts missions_;
+  Ros2Looks looks_;
   std::atomic<std::size_t> calls_of_observers_{0};  ///< in progress; only a limit, which orders nothing
   concurrent::ThreadPool pool_{"segue-studio", {.threads = kMostCalls, .idle = 2}};
   concurrent::ThreadPool stops_{"segue-stops", {.threads = kMostStops, .idle = 1}};

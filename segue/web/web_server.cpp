@@ -83,7 +83,7 @@ struct Shared {
   RobotLink watching;  ///< apart, so that calls that take long cannot use up the connection's calls
   RobotLink calling;
   Hub hub{watching, options.periods};
-  Verbs verbs{calling, options.models, options.run_mission};
+  Verbs verbs{calling, options.models, options.run_mission, options.look_at_ros2};
   RefusalLog refusals{"studio"};
   ConnectionTable table;
   std::set<Open*> connections;

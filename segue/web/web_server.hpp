@@ -9,6 +9,7 @@
 #include <segue/web/mission_starts.hpp>
 #include <segue/web/page_files.hpp>
 #include <segue/web/robot_link.hpp>
+#include <segue/web/ros2_looks.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -29,8 +30,9 @@ struct ServerOptions {
   Role role = Role::Administer;  ///< nobody gets more
   std::string robot{};           ///< its name, for the page
   Hub::Periods periods{};
-  ModelsOf models{};         ///< for files that are edited; empty: no component is known
-  RunMission run_mission{};  ///< empty: pages start no missions
+  ModelsOf models{};          ///< for files that are edited; empty: no component is known
+  RunMission run_mission{};   ///< empty: pages start no missions
+  LookAtRos2 look_at_ros2{};  ///< empty: pages do not see ROS 2
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };

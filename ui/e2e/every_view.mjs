@@ -14,7 +14,7 @@ const stage = new Stage(segue, pictures);
 const problems = [];
 const look = async (page, name) => problems.push(...(await lookAt(stage, page, name)));
 
-const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past'];
+const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past', 'ROS 2'];
 const go = (page, view) => page.getByRole('link', { name: view, exact: true }).click();
 
 /** Shows something in the view, where it is empty at first. */
@@ -50,6 +50,10 @@ const openings = {
     await page.locator('[data-request]').first().click();
     await page.getByRole('button', { name: 'Close the film' }).waitFor();
   },
+  // With nodes: ros2.mjs.
+  async 'ROS 2'(page) {
+    await page.locator('.empty', { hasText: /No node was found|The look is made/ }).waitFor({ timeout: 120000 });
+  },
 };
 
 async function lookAtAll(page, robot, known) {
@@ -57,7 +61,7 @@ async function lookAtAll(page, robot, known) {
     await go(page, view);
     await page.locator('main > *').first().waitFor();
     await openings[view]?.(page, known);
-    await look(page, robot + '_' + view.toLowerCase());
+    await look(page, robot + '_' + view.toLowerCase().replace(' ', ''));
     await page.keyboard.press('Escape');
   }
 }

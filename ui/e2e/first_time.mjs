@@ -16,11 +16,12 @@ function makeRobot() {
   writeFileSync(join(stage.folder, 'controllers/look.yaml'), 'network: look\ntasks:\n  laser: {component: "demo::LaserScanner"}\n');
 }
 
+/** Waits for as long as a look at ROS 2 may take. */
 async function helps(page, view, ...sentences) {
   await page.getByRole('link', { name: view, exact: true }).first().click(); // that of the header
   const help = page.locator('.empty');
-  for (const sentence of sentences) await help.filter({ hasText: sentence }).waitFor();
-  await stage.capture(page, 'first_time_' + view.toLowerCase());
+  for (const sentence of sentences) await help.filter({ hasText: sentence }).waitFor({ timeout: 120000 });
+  await stage.capture(page, 'first_time_' + view.toLowerCase().replace(' ', ''));
 }
 
 async function filterEvents(page) {
@@ -41,6 +42,7 @@ await stage.play(async () => {
   await helps(page, 'Plots', 'Press Add a panel');
   await helps(page, 'Edit', 'Choose a file at the left', 'New controller', 'segue apply');
   await helps(page, 'Past', 'Films of the robot', 'segue run --no-journal');
+  await helps(page, 'ROS 2', 'segue ros2 describe', /No node was found in domain \d+|package segue-ros2/);
 
   // The way that Network names leads to tasks; then there is no other controller.
   await page.getByRole('link', { name: 'Network', exact: true }).click();

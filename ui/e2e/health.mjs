@@ -46,7 +46,7 @@ async function repair(page) {
 async function seenEverywhere(page) {
   const size = page.viewportSize();
   await page.setViewportSize({ width: 820, height: 1180 });
-  for (const view of ['Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past', 'Network']) {
+  for (const view of ['Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past', 'ROS 2', 'Network']) {
     await page.getByRole('link', { name: view, exact: true }).click();
     await wrong(page).getByText("process 'localhost/sensors' is gone").waitFor();
     const { x, y, width, height } = await page.getByRole('button', { name: 'Repair' }).boundingBox();

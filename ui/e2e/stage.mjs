@@ -38,7 +38,9 @@ export class Stage {
     this.segue = segue;
     this.pictures = pictures;
     this.folder = mkdtempSync(join(tmpdir(), 'segue-studio-'));
-    this.environment = { ...process.env, XDG_RUNTIME_DIR: join(this.folder, 'run'), XDG_STATE_HOME: join(this.folder, 'state') };
+    // Tests that run at the same time do not see each other in ROS 2, as a rule, nor the pages of the manual, which have 70 to 89.
+    const ros2 = { ROS_DOMAIN_ID: String(90 + (process.pid % 140)), ROS_LOCALHOST_ONLY: '1' };
+    this.environment = { ...process.env, ...ros2, XDG_RUNTIME_DIR: join(this.folder, 'run'), XDG_STATE_HOME: join(this.folder, 'state') };
     this.running = [];
     this.problems = [];
     this.axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -50,10 +52,16 @@ export class Stage {
     return execFileSync(this.segue, args, { cwd: this.folder, env: this.environment, encoding: 'utf8' });
   }
 
+  /** Starts a program that ends with the test. */
+  launch(program, args) {
+    const child = spawn(program, args, { cwd: this.folder, env: this.environment });
+    this.running.push(child);
+    return child;
+  }
+
   /** Starts `segue`, and waits for a line that fits. */
   start(args, fits) {
-    const child = spawn(this.segue, args, { cwd: this.folder, env: this.environment });
-    this.running.push(child);
+    const child = this.launch(this.segue, args);
     return new Promise((resolve, reject) => {
       let output = '';
       const take = (data) => {

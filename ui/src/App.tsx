@@ -14,16 +14,20 @@ import { PlotsContext, usePlotsOf } from './plots/usePlots';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { Skipped } from './robot/Skipped';
 import { statusOf, type Status } from './robot/types';
+import { Ros2View } from './ros2/Ros2View';
 import { SwitchView } from './switch/SwitchView';
 
 const EditView = lazy(() => import('./edit/EditView').then((part) => ({ default: part.EditView }))); // the editor is large
 
-const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past'] as const;
+const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past', 'ROS 2'] as const;
 type View = (typeof views)[number];
+
+/** "ros2" */
+const inAddress = (view: View) => view.toLowerCase().replace(' ', '');
 
 function viewOfAddress(): View {
   const name = window.location.hash.split('/')[0]; // what follows is for the view itself
-  return views.find((view) => '#' + view.toLowerCase() === name) ?? 'Network';
+  return views.find((view) => '#' + inAddress(view) === name) ?? 'Network';
 }
 
 /** The view that the address names; keys choose another one, or the field to search in. */
@@ -34,7 +38,7 @@ function useView(): View {
     const press = (event: KeyboardEvent) => {
       if (isTyping(event) || event.ctrlKey || event.metaKey || event.altKey) return;
       const chosen = views[Number(event.key) - 1];
-      if (chosen) window.location.hash = chosen.toLowerCase();
+      if (chosen) window.location.hash = inAddress(chosen);
       if (event.key === '/') {
         event.preventDefault();
         document.querySelector<HTMLInputElement>('[data-search]')?.focus();
@@ -78,7 +82,7 @@ function Top({ view, known: { status, isOld, skipped } }: { view: View; known: K
       <h1>{connection.robot || 'Segue Studio'}</h1>
       <nav aria-label="Views">
         {views.map((name, index) => (
-          <a key={name} href={'#' + name.toLowerCase()} aria-current={view === name ? 'page' : undefined} title={'Key ' + (index + 1)}>
+          <a key={name} href={'#' + inAddress(name)} aria-current={view === name ? 'page' : undefined} title={'Key ' + (index + 1)}>
             {name}
           </a>
         ))}
@@ -119,6 +123,7 @@ function Shown({ view, known: { status, isOld, error } }: { view: View; known: K
       {status && view === 'Plots' && <PlotsView status={status} />}
       {view === 'Events' && <EventsView />}
       {view === 'Past' && status && <PastView />}
+      {status && view === 'ROS 2' && <Ros2View status={status} />}
       {view === 'Edit' && <Suspense fallback={<p className="empty">…</p>}><EditView /></Suspense>}
     </main>
   );

@@ -3,7 +3,7 @@ import { useEffect, useRef } from 'react';
 import { isTyping } from './keys';
 
 const groups: { title: string; keys: [string, string][] }[] = [
-  { title: 'Everywhere', keys: [['1 … 7', 'the views'], ['/', 'search'], ['Escape', 'closes what was opened last'], ['?', 'these keys'], ['← → ↑ ↓', 'at the line between two panes: resizes them; Home sets them back']] },
+  { title: 'Everywhere', keys: [['1 … 8', 'the views'], ['/', 'search'], ['Escape', 'closes what was opened last'], ['?', 'these keys'], ['← → ↑ ↓', 'at the line between two panes: resizes them; Home sets them back']] },
   { title: 'Graphs', keys: [['Tab', 'goes from box to box'], ['Enter', 'selects a task or state; folds and unfolds a process or host'], ['← →', 'close and open a state with states in it']] },
   { title: 'Missions', keys: [['c', 'pauses and resumes'], ['s', 'steps into'], ['n', 'steps over'], ['f', 'steps out'], ['r', 'steps back'], ['b', 'sets or removes a breakpoint'], ['+ −', 'zoom the chart, which the arrow keys move']] },
   { title: 'Plots', keys: [['← → ↑ ↓', 'move a map, turn a 3D view (with Shift: move it)'], ['← →', 'at a chart beside a film: move the film'], ['+ −', 'zoom']] },

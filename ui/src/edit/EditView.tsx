@@ -2,6 +2,7 @@
 import { redoDepth, undoDepth } from '@codemirror/commands';
 import { useCallback, useDeferredValue, useEffect, useMemo, useState, useSyncExternalStore } from 'react';
 import { ActionButton } from '../ActionButton';
+import { restOfAddress } from '../address';
 import { Name } from '../Name';
 import { reason } from '../reason';
 import type { Json } from '../robot/change';
@@ -189,6 +190,10 @@ export function EditView() {
       (refused: unknown) => setProblem(reason(refused)),
     );
   };
+  useEffect(() => {
+    const wanted = restOfAddress(window.location.hash, 'edit');
+    if (wanted !== '') choose(wanted);
+  }, []); // once: afterwards a file is chosen from the list
   /** To be called after files were created, renamed or deleted. */
   const onFiles = (wanted: string | null) => {
     again();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { addConnection, addTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty } from './text';
+import { addConnection, addTask, addWrittenTask, networkIn, removeConnection, removeProperty, removeTask, renameTask, setProperty } from './text';
 
 const network = `# Wanders about.
 network: explore
@@ -55,6 +55,16 @@ describe('edits touch nothing else', () => {
     expect(addTask('network: a\ntasks:\n  y: {component: t::Y}', 'x', 't::X')).toBe('network: a\ntasks:\n  y: {component: t::Y}\n  x: {component: "t::X"}');
     expect(() => addTask(network, 'laser', 't::X')).toThrow('already');
     expect(() => addTask('network: [', 'laser', 't::X')).toThrow('parsed');
+  });
+  it('adds a task as it is written elsewhere', () => {
+    const written = '# Begins with this.\ntasks:\n  # of a node\n  laser:\n    component: ros2::Node\n    properties:\n      name: /laser\n      publishes: {scan: std_msgs/msg/UInt64}\n      text: "a\\nb"\n';
+    const { id, text } = addWrittenTask(network, written);
+    expect(id).toBe('laser_2');
+    expect(difference(network, text)).toEqual(['+  laser_2:', '+    component: ros2::Node', '+      name: /laser', '+      publishes: {scan: std_msgs/msg/UInt64}', '+      text: "a\\nb"']);
+    expect(networkIn(text)?.tasks.find((task) => task.id === id)?.properties).toEqual({ name: '/laser', publishes: { scan: 'std_msgs/msg/UInt64' }, text: 'a\nb' });
+    expect(addWrittenTask('network: a\ntasks: {y: {component: t::Y}}', 'tasks:\n  x:\n    component: t::X\n    properties: {}\n').text).toContain('x: {component: t::X, properties: {}}');
+    expect(() => addWrittenTask('robot: rover\n', written)).toThrow('as text only');
+    expect(() => addWrittenTask(network, 'tasks: {}')).toThrow('no task');
   });
   it('adds a connection', () => {
     expect(difference(network, addConnection(network, 'laser.scan', 'drive.scan'))).toEqual(['+  - laser.scan -> drive.scan']);

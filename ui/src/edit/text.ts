@@ -80,6 +80,19 @@ export function addTask(text: string, id: string, component: string): string {
   return put(text, ['tasks', id], { component }, ['{component: ' + JSON.stringify(component) + '}']);
 }
 
+/** Adds the first task of a text such as `segue ros2 describe NODE --model -` writes, as it is written there; its id, which is another one where that is taken. */
+export function addWrittenTask(text: string, written: string): { text: string; id: string } {
+  const network = networkIn(text);
+  if (!network?.editable) throw new Error('this file is edited as text only');
+  const [name, task] = Object.entries(record(record(parse(written))['tasks']))[0] ?? [];
+  if (name === undefined) throw new Error('there is no task to be added');
+  let id = name;
+  for (let number = 2; network.tasks.some((one) => one.id === id); ++number) id = name + '_' + number;
+  const lines = written.split('\n');
+  const body = lines.slice(lines.indexOf('  ' + name + ':') + 1).filter((line) => line.startsWith('    ')).map((line) => line.slice(2));
+  return { id, text: put(text, ['tasks', id], task, ['\n' + body.join('\n')]) };
+}
+
 export function addConnection(text: string, from: string, to: string): string {
   return add(text, ['connections'], from + ' -> ' + to);
 }

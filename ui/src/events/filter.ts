@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { restOfAddress } from '../address';
 import { localText } from '../local_time';
 import { isMap, type Json } from '../robot/change';
 import type { RobotEvent } from '../robot/types';
@@ -20,12 +21,7 @@ export function withWords(events: RobotEvent[], words: string): RobotEvent[] {
 
 /** "#events/drive" searches for "drive". */
 export function wordsOfAddress(hash: string): string {
-  const words = /^#events\/(.*)$/.exec(hash)?.[1] ?? '';
-  try {
-    return decodeURIComponent(words);
-  } catch {
-    return ''; // somebody has typed it
-  }
+  return restOfAddress(hash, 'events');
 }
 
 export function isTrouble(event: RobotEvent): boolean {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useRef, useState } from 'react';
+import { restOfAddress } from '../address';
 import type { ConnectionStatus, Status } from '../robot/types';
 import { foldLevels, useFolding } from './folding';
 import { Graph } from './Graph';
@@ -87,6 +88,16 @@ function useSelected() {
   return { selected, target, setSelected, jump };
 }
 
+/** Shows the task that the address names, once. */
+function useTaskOfAddress(status: Status, show: (task: string) => void) {
+  const shown = useRef(false);
+  useEffect(() => {
+    const task = restOfAddress(window.location.hash, 'network');
+    if (!shown.current && status.tasks[task]) show(task);
+    shown.current = true;
+  });
+}
+
 export function NetworkView({ status }: { status: Status }) {
   const { selected, target, setSelected, jump } = useSelected();
   const [words, setWords] = useState('');
@@ -99,9 +110,11 @@ export function NetworkView({ status }: { status: Status }) {
   const bundles = useMemo(() => bundlesOf(structure, isFolded), [structure, isFolded]);
   const { groups, nodes } = useMemo(() => pictureOf(status, structure, isFolded, found), [status, structure, isFolded, found]);
   const edges = useMemo(() => edgesOf(status, flows, bundles), [status, flows, bundles]);
+  const show = (task: string) => [folding.reveal(task), jump(task)];
+  useTaskOfAddress(status, show);
   const enter = () => {
     const first = matching(status, words)[0];
-    if (first) [folding.reveal(first), jump(first)];
+    if (first) show(first);
   };
   return (
     <div className="view split">

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useLayoutEffect, useRef } from 'react';
+import { addressOf } from '../address';
 import { eventsOf } from '../events/filter';
 import { entriesOf, outputCommand } from '../events/task_log';
 import { useDocument } from '../robot/hooks';
@@ -38,7 +39,7 @@ export function TaskLog({ report }: { report: TaskReport }) {
         </ol>
       )}
       <p className="quiet">
-        <a href={'#events/' + encodeURIComponent(report.id)}>Older ones and search</a>
+        <a href={addressOf('events', report.id)}>Older ones and search</a>
         {output && <>. All output of its process: <code>{output}</code></>}
       </p>
     </section>

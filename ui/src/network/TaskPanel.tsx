@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createContext, useContext, useState, type FormEvent, type ReactNode } from 'react';
+import { addressOf } from '../address';
+import { Name } from '../Name';
 import { PortName } from '../PortName';
 import { reason } from '../reason';
 import { isMap, type Json } from '../robot/change';
@@ -7,6 +9,7 @@ import { howLong, troubleOfTask } from '../health/health';
 import { useConnection, useDocument } from '../robot/hooks';
 import { Skipped } from '../robot/Skipped';
 import type { OperationModel, PortModel, Status, TaskReport } from '../robot/types';
+import { nodeOfTask } from '../ros2/ros2';
 import { Panel } from '../panes/Panel';
 import { Connections } from './Connections';
 import { toneOf, type Flows } from './graph';
@@ -175,11 +178,18 @@ function Summary({ id, status }: { id: string; status: Status }) {
   );
 }
 
+/** Where the node of a task of ROS 2 is shown. */
+function NodeLink({ report }: { report: TaskReport }) {
+  const node = nodeOfTask(report.id, report.component, report.properties);
+  return node === null ? null : <p>node of ROS 2: <a href={addressOf('ros2', node)}><Name text={node} /></a></p>;
+}
+
 /** The ports, properties and operations of the task, with the means to use them. */
 function Interior({ id, report, fixed, children }: { id: string; report: TaskReport; fixed: boolean; children: ReactNode }) {
   const properties = Object.entries(report.properties);
   return (
     <>
+      <NodeLink report={report} />
       {report.doc && <p>{report.doc}</p>}
       <h3>Properties</h3>
       {properties.length === 0 && <p className="quiet">none</p>}
