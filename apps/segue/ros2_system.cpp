@@ -15,6 +15,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "output.hpp"
+
 namespace segue::cli {
 
 namespace {
@@ -127,6 +129,11 @@ Result<Value> look_at_ros2(const Ros2SystemOptions& options, Value request) {
   const Value* error = result->find("error");
   if (error == nullptr) return result;
   return fail(code_named(error->find("code")->as_string()), error->find("message")->as_string());
+}
+
+void print_problems(const Value& seen) {
+  for (const Value& problem : seen.find("problems")->as_list())
+    print_note(problem.as_string());
 }
 
 std::string joined_names(const Value& list) {

@@ -24,9 +24,12 @@ void add_ros2_system_options(Verb& verb, Ros2SystemOptions& options, bool asks);
 
 /// The nodes and topics of the running system, as the program segue-ros2 of the package of that name tells
 /// them; it alone loads Fast DDS. `request` names what is asked of nodes: {all: true}, {nodes: [NODE]},
-/// {types: true}. Unavailable where the program is not installed; else the error that it has. Ctrl-C, which
-/// ends this process, ends the program, too.
+/// {types: true}, {containers: true}. Unavailable where the program is not installed; else the error that it
+/// has. Ctrl-C, which ends this process, ends the program, too.
 Result<type::Value> look_at_ros2(const Ros2SystemOptions& options, type::Value request);
+
+/// Says on standard error what of the system could not be looked at.
+void print_problems(const type::Value& seen);
 
 /// The list at `key` of a node or topic as "a, b".
 std::string joined_names(const type::Value& list);

@@ -221,6 +221,15 @@ class FastPeer final : public Peer {
     latched.depth = 0;
     entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
   }
+  /// Others of the participant go on.
+  ~FastPeer() override {
+    stop_serving();
+    for (edds::DataWriter* writer : {out_, asks_})
+      if (writer != nullptr) publisher_->delete_datawriter(writer);
+    for (edds::DataReader* reader : {in_, answers_, entities_in_})
+      if (reader != nullptr) subscriber_->delete_datareader(reader);
+    if (shared_->nodes.erase(this) > 0) say_nodes();
+  }
 
   void advertise(const TopicOf& wanted) override {
     if (out_ != nullptr) publisher_->delete_datawriter(out_);
@@ -240,13 +249,9 @@ class FastPeer final : public Peer {
     if (requests_ != nullptr) entities.subscriptions.push_back(gid_of(requests_->guid()));
     if (responses_ != nullptr) entities.publishers.push_back(gid_of(responses_->guid()));
     shared_->nodes[this] = entities;
-    ParticipantEntities all{gid_of(participant_->guid()), {}};
-    for (const auto& [peer, part] : shared_->nodes)
-      add(part, all.nodes);
-    Bytes message = segue::ros2::encode(all);
-    shared_->entities_out->write(&message);
+    say_nodes();
   }
-  void say(const Bytes& entities) override {
+  void say(const Bytes& entities) final {
     Bytes bytes = entities;
     shared_->entities_out->write(&bytes);
   }
@@ -358,6 +363,12 @@ class FastPeer final : public Peer {
   std::string user_data_of_publisher() override { return shared_->discovery.user_data(subscribed_); }
 
  private:
+  void say_nodes() {
+    ParticipantEntities all{gid_of(participant_->guid()), {}};
+    for (const auto& [peer, part] : shared_->nodes)
+      add(part, all.nodes);
+    say(segue::ros2::encode(all));
+  }
   static std::uint32_t matched(const edds::DataWriter& writer) {
     edds::PublicationMatchedStatus status;
     writer.get_publication_matched_status(status);
