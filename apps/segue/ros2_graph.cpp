@@ -275,8 +275,8 @@ void add_ros2_graph(Verb& ros2, Context& context) {
   describer.require_any({names, all}, "NODE or --all");
   describer.option(
       "--types FOLDER", options->types,
-      "write the definitions of topics' types that are not built in, as the nodes tell them, to a "
-      "folder that `interfaces` can name");
+      "write the definitions of types that are not built in, as the nodes tell them, to a folder that "
+      "`interfaces` can name");
   describer.option(
       "--model FILE", options->model,
       "write the nodes as tasks of a network, with their topics as ports, to a file; -: show them");
