@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -25,6 +26,7 @@ using type::Value;
 
 constexpr const char* kProgram = "segue-ros2";
 constexpr int kMostDomain = 232;
+constexpr auto kShortLook = std::chrono::milliseconds(500);
 /// The program has written all that it has to say.
 constexpr auto kPatienceForEnd = std::chrono::seconds(10);
 
@@ -78,6 +80,13 @@ Result<std::string> output_of(const std::filesystem::path& program, const std::s
   return text;
 }
 
+/// Shells expand what they complete.
+bool is_shell_word(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
+  });
+}
+
 /// The code of that name; Internal where it is not known.
 ErrorCode code_named(std::string_view name) {
   for (int code = 0; code <= static_cast<int>(ErrorCode::Internal); ++code) {
@@ -129,6 +138,18 @@ Result<Value> look_at_ros2(const Ros2SystemOptions& options, Value request) {
   const Value* error = result->find("error");
   if (error == nullptr) return result;
   return fail(code_named(error->find("code")->as_string()), error->find("message")->as_string());
+}
+
+std::vector<std::string> ros2_node_names() {
+  Ros2SystemOptions options;
+  options.wait = kShortLook;
+  const auto seen = look_at_ros2(options, Value::map({{"brief", true}}));
+  std::vector<std::string> names;
+  for (const Value& node : seen ? list_at(*seen, "nodes") : Value::List()) {
+    const std::string& name = node.find("name")->as_string();
+    if (is_shell_word(name) && name.find("/_") == std::string::npos) names.push_back(name);
+  }
+  return names;
 }
 
 void print_problems(const Value& seen) {

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command.hpp"
 
@@ -24,9 +25,12 @@ void add_ros2_system_options(Verb& verb, Ros2SystemOptions& options, bool asks);
 
 /// The nodes and topics of the running system, as the program segue-ros2 of the package of that name tells
 /// them; it alone loads Fast DDS. `request` names what is asked of nodes: {all: true}, {nodes: [NODE]},
-/// {types: true}, {containers: true}. Unavailable where the program is not installed; else the error that it
-/// has. Ctrl-C, which ends this process, ends the program, too.
+/// {types: true}, {containers: true}; {brief: true}: names only. Unavailable where the program is not
+/// installed; else the error that it has. Ctrl-C, which ends this process, ends the program, too.
 Result<type::Value> look_at_ros2(const Ros2SystemOptions& options, type::Value request);
+
+/// For completion: the names of nodes that a short look finds, but for hidden ones; none where it fails.
+std::vector<std::string> ros2_node_names();
 
 /// Says on standard error what of the system could not be looked at.
 void print_problems(const type::Value& seen);

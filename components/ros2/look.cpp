@@ -61,6 +61,25 @@ bool is_found(const Look& request, const Participant& participant) {
   return missing.empty();
 }
 
+/// Of a brief look, when it ends: where nodes have been found, and nothing more for a while.
+class Quiet {
+ public:
+  void notice(const segue::ros2::GraphSnapshot& graph) {
+    std::size_t nodes = 0;
+    for (const auto& participant : graph.participants)
+      nodes += participant.entities.nodes.size();
+    const std::size_t things = graph.participants.size() + nodes;
+    if (nodes > 0 && things != things_) end_ = segue::Deadline(kWhile);
+    things_ = things;
+  }
+  [[nodiscard]] segue::TimePoint end() const { return end_; }
+
+ private:
+  static constexpr std::chrono::milliseconds kWhile{100};
+  std::size_t things_ = 0;
+  segue::TimePoint end_ = segue::TimePoint::max();
+};
+
 /// False: it was stopped.
 bool listen(const Look& request, Participant& participant, const std::stop_token& stop) {
   segue::Mutex mutex;
@@ -73,15 +92,17 @@ bool listen(const Look& request, Participant& participant, const std::stop_token
   };
   participant.watch(&mutex, notify);
   const segue::TimePoint end = segue::Deadline(request.wait);
+  Quiet quiet;
   bool found = false;
   {
     const std::stop_callback stopped(stop, notify);
-    while (!found && !stop.stop_requested() && segue::monotonic_now() < end) {
+    while (!found && !stop.stop_requested() && segue::monotonic_now() < std::min(end, quiet.end())) {
       {
         const segue::Lock lock(mutex);
-        changed.wait_until(mutex, end, [&] { return has_changed; });
+        changed.wait_until(mutex, std::min(end, quiet.end()), [&] { return has_changed; });
         has_changed = false;
       }
+      if (request.brief) quiet.notice(participant.graph().snapshot());
       found = is_found(request, participant);
     }
   }
@@ -209,6 +230,7 @@ Result<Look> parse_look(const Value& request) {
   look.all = flag("all");
   look.containers = flag("containers");
   look.types = flag("types");
+  look.brief = flag("brief");
   return look;
 }
 
@@ -221,7 +243,7 @@ Result<Value> look(const Look& request, const std::stop_token& stop) {
   const auto graph = (*participant)->graph().snapshot();
   auto nodes = segue::ros2::describe_nodes(graph);
   if (auto named = check_named(request, nodes); !named) return named.error();
-  auto on_this_computer = processes(graph);
+  auto on_this_computer = request.brief ? std::map<std::string, Value>() : processes(graph);
   for (Value& node : nodes) {
     const auto process = on_this_computer.find(node.find("name")->as_string());
     if (process != on_this_computer.end()) node.as_map().set("process", std::move(process->second));

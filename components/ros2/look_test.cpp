@@ -187,6 +187,18 @@ TEST_P(Looks, SayThatANodeIsNotThere) {
   EXPECT_THAT(segue::to_string(look(request, {}).error()), HasSubstr("no node '/nobody'"));
 }
 
+TEST_P(Looks, ThatAreBriefEndWhenNoMoreNodesAreFound) {
+  NodePeer peer(peers());
+  Look request = at("/lidar");
+  request.nodes = {};
+  request.brief = true;
+  request.wait = std::chrono::hours(1);
+  const auto seen = look(request, {});
+  ASSERT_TRUE(seen);
+  ASSERT_EQ(seen->find("nodes")->as_list().size(), 1U);
+  EXPECT_EQ(*seen->find("nodes")->as_list().front().find("name"), Value("/lidar"));
+}
+
 TEST_P(Looks, EndWhenTheyAreStopped) {
   std::stop_source stop;
   stop.request_stop();
