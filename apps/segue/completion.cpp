@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/text.hpp>
+#include <segue/ros2/interface_library.hpp>
 
 #include <fmt/format.h>
 
@@ -7,13 +8,15 @@
 #include <memory>
 
 #include "connection.hpp"
+#include "ros2_system.hpp"
 
 namespace segue::cli {
 
 namespace {
 
-/// Verbs whose first argument names a part of the running robot, and its kind for `complete-names`.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kVerbsWithNames = {
+/// Verbs whose first argument names a part of the running robot, or a node or an interface of ROS 2, and its
+/// kind for `complete-names`.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kVerbsWithNames = {
     {{"switch", "controllers"},
      {"plan", "controllers"},
      {"prepare", "controllers"},
@@ -27,7 +30,11 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 14> kVerbsWi
      {"plot", "ports"},
      {"set", "properties"},
      {"call", "operations"},
-     {"units", "units"}}};
+     {"units", "units"},
+     {"ros2 describe", "ros2-nodes"},
+     {"ros2 interfaces", "ros2-packages"},
+     {"ros2 interface", "ros2-interfaces"},
+     {"ros2 headers", "ros2-interfaces"}}};
 
 /// The option whose value is a name of the running robot, too, and its kind.
 constexpr std::string_view kOptionWithName = "--transition";
@@ -44,7 +51,8 @@ std::string verb_words(const Verb& verb) {
   return words;
 }
 
-/// The kind of names of the running robot that the verb's first argument has; empty: none.
+/// The kind of names that the verb's first argument has ("ros2 describe": that of a verb in another one);
+/// empty: none.
 std::string_view kind_of_names(std::string_view verb) {
   for (const auto& [name, kind] : kVerbsWithNames) {
     if (name == verb) return kind;
@@ -69,6 +77,19 @@ std::string cases_of(const Verb& app, std::string_view words = "words") {
   return cases;
 }
 
+/// The same for verbs in other ones, which are two words.
+std::string inner_cases_of(const Verb& app, std::string_view words = "words") {
+  std::string cases;
+  for (const Verb* outer : app.verbs()) {
+    for (const Verb* verb : outer->verbs()) {
+      const std::string name = outer->name() + " " + verb->name();
+      cases += fmt::format("      \"{}\") kind=\"{}\" {}=\"\" options=\"{}\" ;;\n", name, kind_of_names(name),
+                           words, option_words(*verb));
+    }
+  }
+  return cases;
+}
+
 /// Names come first; options only after a "-".
 std::string bash_script(const Verb& app) {
   return fmt::format(R"(# bash completion for segue; load it with: source <(segue completion bash)
@@ -78,6 +99,10 @@ _segue() {{
     words="{}" options="{}"
   else
     case "${{COMP_WORDS[1]}}" in
+{}    esac
+  fi
+  if [ "$COMP_CWORD" -gt 2 ]; then
+    case "${{COMP_WORDS[1]}} ${{COMP_WORDS[2]}}" in
 {}    esac
   fi
   [ "${{COMP_WORDS[COMP_CWORD-1]}}" = {} ] && words="" kind={}
@@ -91,7 +116,8 @@ _segue() {{
 }}
 complete -o default -F _segue segue
 )",
-                     verb_words(app), option_words(app), cases_of(app), kOptionWithName, kKindOfOption);
+                     verb_words(app), option_words(app), cases_of(app), inner_cases_of(app), kOptionWithName,
+                     kKindOfOption);
 }
 
 std::string zsh_script(const Verb& app) {
@@ -111,6 +137,10 @@ _segue() {{
   fi
   case "$words[2]" in
 {}  esac
+  if (( CURRENT > 3 )); then
+    case "$words[2] $words[3]" in
+{}    esac
+  fi
   [[ "$words[CURRENT-1]" == {} ]] && words_of_verb="" kind={}
   if [[ "$PREFIX" == -* ]]; then
     compadd -- ${{=options}}
@@ -121,7 +151,26 @@ _segue() {{
 }}
 compdef _segue segue
 )",
-                     verbs, cases_of(app, "words_of_verb"), kOptionWithName, kKindOfOption);
+                     verbs, cases_of(app, "words_of_verb"), inner_cases_of(app, "words_of_verb"),
+                     kOptionWithName, kKindOfOption);
+}
+
+/// The lines of a verb, whose names and options follow it.
+std::string fish_lines(const Verb& verb, const std::string& name, const std::string& condition) {
+  const std::string here = fmt::format("complete -c segue -n '{}'", condition);
+  std::string script;
+  if (!verb.verbs().empty()) script += fmt::format("{} -f -a '{}'\n", here, verb_words(verb));
+  if (const auto kind = kind_of_names(name); !kind.empty())
+    script += fmt::format("{} -f -a '(segue complete-names {} 2>/dev/null)'\n", here, kind);
+  for (const std::string& option : verb.option_names()) {
+    const bool is_long = option.starts_with("--");
+    const std::string names =
+        option == kOptionWithName
+            ? fmt::format(" -x -a '(segue complete-names {} 2>/dev/null)'", kKindOfOption)
+            : std::string();
+    script += fmt::format("{} -{} {}{}\n", here, is_long ? "l" : "s", option.substr(is_long ? 2 : 1), names);
+  }
+  return script;
 }
 
 std::string fish_script(const Verb& app) {
@@ -131,20 +180,11 @@ std::string fish_script(const Verb& app) {
   for (const Verb* verb : app.verbs()) {
     script += fmt::format("complete -c segue -n __fish_use_subcommand -f -a {} -d {}\n", verb->name(),
                           single_quoted(verb->description()));
-    const std::string here =
-        fmt::format("complete -c segue -n '__fish_seen_subcommand_from {}'", verb->name());
-    if (!verb->verbs().empty()) script += fmt::format("{} -f -a '{}'\n", here, verb_words(*verb));
-    if (const auto kind = kind_of_names(verb->name()); !kind.empty())
-      script += fmt::format("{} -f -a '(segue complete-names {} 2>/dev/null)'\n", here, kind);
-    for (const std::string& option : verb->option_names()) {
-      const bool is_long = option.starts_with("--");
-      const std::string names =
-          option == kOptionWithName
-              ? fmt::format(" -x -a '(segue complete-names {} 2>/dev/null)'", kKindOfOption)
-              : std::string();
-      script +=
-          fmt::format("{} -{} {}{}\n", here, is_long ? "l" : "s", option.substr(is_long ? 2 : 1), names);
-    }
+    const std::string here = "__fish_seen_subcommand_from " + verb->name();
+    script += fish_lines(*verb, verb->name(), here);
+    for (const Verb* inner : verb->verbs())
+      script += fish_lines(*inner, verb->name() + " " + inner->name(),
+                           here + "; and __fish_seen_subcommand_from " + inner->name());
   }
   return script;
 }
@@ -172,8 +212,19 @@ std::vector<std::string> unit_names(control::RobotService& robot) {
   return names;
 }
 
+/// Names of ROS 2, for which no robot is needed.
+std::vector<std::string> ros2_names(std::string_view kind) {
+  if (kind == "ros2-nodes") return ros2_node_names();
+  return kind == "ros2-packages" ? ros2::standard_packages() : ros2::InterfaceLibrary().names();
+}
+
 /// For shells: one name per line, and no output at all if there is no robot.
 int complete_names(const std::string& kind) {
+  if (kind.starts_with("ros2-")) {
+    for (const std::string& name : ros2_names(kind))
+      print_line(name);
+    return kDone;
+  }
   const auto running = control::running_robots();
   if (running.size() != 1) return kDone;
   const auto robot = connect_to(running.front(), std::chrono::seconds(3));

@@ -59,6 +59,7 @@ int import_ros2(const ImportRos2Options& options, const Context& context) {
   if (const auto written = write_new_folder(options.folder, robot.files); !written)
     return failed(context, written.error());
   report(options, robot, context);
+  print_problems(*seen);
   return kDone;
 }
 

@@ -4,11 +4,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
 
 #include "output.hpp"
+#include "ros2_components.hpp"
 #include "ros2_robot.hpp"
 #include "ros2_system.hpp"
 
@@ -43,26 +45,44 @@ std::string count_at(const Value& node, std::string_view key) {
   return std::to_string(list_at(node, key).size());
 }
 
+/// Of a component, the name of its container.
+std::string container_name(const Value& node) {
+  const Value* container = node.find("container");
+  return container == nullptr ? std::string() : printable_at(*container, "name");
+}
+
+void print_nodes(const Value::List& nodes) {
+  using enum Table::Align;
+  const bool has_components =
+      std::ranges::any_of(nodes, [](const Value& node) { return node.find("container") != nullptr; });
+  std::vector<Table::Column> columns = {
+      {"NODE"},           {"MANAGED"}, {"PUBLISHES", Right}, {"SUBSCRIBES", Right}, {"SERVICES", Right},
+      {"ACTIONS", Right}, {"PROCESS"}};
+  if (has_components) columns.insert(columns.end() - 1, {"CONTAINER"});
+  Table table(columns);
+  for (const Value& node : nodes) {
+    std::vector<std::string> cells = {printable_at(node, "name"),
+                                      node.find("managed")->as_bool() ? "yes" : "",
+                                      count_at(node, "publishers"),
+                                      count_at(node, "subscriptions"),
+                                      count_at(node, "services"),
+                                      count_at(node, "actions"),
+                                      process_text(node)};
+    if (has_components) cells.insert(cells.end() - 1, container_name(node));
+    table.add(std::move(cells));
+  }
+  print(table.text());
+}
+
 int list_nodes(const Ros2SystemOptions& options, const Context& context) {
-  const auto seen = look_at_ros2(options, Value::map({}));
+  const auto seen = look_at_ros2(options, Value::map({{"containers", true}}));
   if (!seen) return failed(context, seen.error());
   if (context.json()) {
     print_json(*seen->find("nodes"));
-    return kDone;
+  } else {
+    print_nodes(list_at(*seen, "nodes"));
   }
-  using enum Table::Align;
-  Table table({{"NODE"},
-               {"MANAGED"},
-               {"PUBLISHES", Right},
-               {"SUBSCRIBES", Right},
-               {"SERVICES", Right},
-               {"ACTIONS", Right},
-               {"PROCESS"}});
-  for (const Value& node : list_at(*seen, "nodes"))
-    table.add({printable_at(node, "name"), node.find("managed")->as_bool() ? "yes" : "",
-               count_at(node, "publishers"), count_at(node, "subscriptions"), count_at(node, "services"),
-               count_at(node, "actions"), process_text(node)});
-  print(table.text());
+  print_problems(*seen);
   return kDone;
 }
 
@@ -121,6 +141,14 @@ void print_node(const Value& node) {
   print(coloured(Colour::Bold, printable_at(node, "name")) + (about.empty() ? "" : " (" + about + ")") +
         '\n');
   if (const std::string process = process_text(node); !process.empty()) print("process: " + process + '\n');
+  if (const Value* container = node.find("container"))
+    print(fmt::format("container: {}, component {}: {}\n", container_name(node),
+                      one_line(*container->find("id")), plugin_text(*container)));
+  if (node.find("components") != nullptr) {
+    print_section(node, "components", "Components", {{"ID"}, {"NODE"}, {"PLUGIN"}}, [](const Value& one) {
+      return std::vector{one_line(*one.find("id")), printable_at(one, "name"), plugin_text(one)};
+    });
+  }
   for (const auto& [key, title] :
        {std::pair{"publishers", "Publishers"}, {"subscriptions", "Subscriptions"}}) {
     print_section(node, key, title, {{"TOPIC"}, {"TYPE"}, {"QUALITY"}}, [](const Value& topic) {
@@ -217,6 +245,7 @@ int describe(const DescribeOptions& options, const Context& context) {
     for (const std::string& note : notes_of(node))
       print_note(note);
   }
+  print_problems(*seen);
   return kDone;
 }
 
@@ -246,8 +275,8 @@ void add_ros2_graph(Verb& ros2, Context& context) {
   describer.require_any({names, all}, "NODE or --all");
   describer.option(
       "--types FOLDER", options->types,
-      "write the definitions of topics' types that are not built in, as the nodes tell them, to a "
-      "folder that `interfaces` can name");
+      "write the definitions of types that are not built in, as the nodes tell them, to a folder that "
+      "`interfaces` can name");
   describer.option(
       "--model FILE", options->model,
       "write the nodes as tasks of a network, with their topics as ports, to a file; -: show them");

@@ -101,6 +101,86 @@ TEST(Ros2Robot, StartsProgramsThatHaveOneNode) {
   EXPECT_THAT(robot_of({alone, inside}, false).files[1].text, Not(HasSubstr("process:")));
 }
 
+/// A component of container /nav, whose process has both.
+Value component(const std::string& name, Value::List plugins, const std::string& evidence,
+                Value::List unknown = {}) {
+  Value made = node(name);
+  made.as_map().set("process", process_with("/opt/ros/jazzy/lib/demo/talker", 2));
+  made.as_map().set("container", Value::map({{"name", "/nav"},
+                                             {"id", 1},
+                                             {"evidence", evidence},
+                                             {"plugins", Value(std::move(plugins))},
+                                             {"components", 1},
+                                             {"unknown", Value(std::move(unknown))}}));
+  return made;
+}
+
+Value container_with(const Value& its_component) {
+  Value made = node("/nav");
+  made.as_map().set("process", *its_component.find("process"));
+  const Value& entry = *its_component.find("container");
+  made.as_map().set("components", Value::list({Value::map({{"id", 1},
+                                                           {"name", *its_component.find("name")},
+                                                           {"evidence", *entry.find("evidence")},
+                                                           {"plugins", *entry.find("plugins")}})}));
+  return made;
+}
+
+Value plugin_named(const std::string& name) {
+  return Value::map({{"package", "nav2_planner"}, {"name", name}});
+}
+
+TEST(Ros2Robot, LoadsComponentsIntoTheirContainer) {
+  Value planner = component("/planner", {plugin_named("nav::Planner")}, "name");
+  planner.as_map().set("parameters", Value::list({parameter_named("serial", "string", "A-17", true)}));
+  planner.as_map()["process"].as_map().set("arguments", Value::list({"--fast"}));
+  const Ros2Robot robot = robot_of({container_with(planner), planner});
+  EXPECT_EQ(
+      *network_of(robot).find("tasks"),
+      Value::map(
+          {{"planner",
+            Value::map({{"component", "ros2::Node"},
+                        {"properties",
+                         Value::map({{"name", "/planner"},
+                                     {"parameters", Value::map({{"serial", "A-17"}})},
+                                     {"process", Value::map({{"package", "nav2_planner"},
+                                                             {"component", "nav::Planner"},
+                                                             {"container", "/nav"},
+                                                             {"container_program", "demo/talker"}})}})}})}}))
+      << "the container is started with its component";
+  EXPECT_THAT(robot.started, ElementsAre("/planner"));
+  for (const char* note : {"# component of container /nav of installation /opt/ros/jazzy\n",
+                           "# not known are remappings with which it was loaded: add them\n",
+                           "# its plugin is known by its name or by elimination: check it\n",
+                           "# the container was started with --fast, which Segue does not give it\n"})
+    EXPECT_THAT(robot.files[1].text, HasSubstr(note));
+}
+
+TEST(Ros2Robot, TakesOverComponentsWhosePluginsAreNotKnown) {
+  const Value planner =
+      component("/planner", {plugin_named("nav::Planner"), plugin_named("nav::Map")}, "", {"/planner"});
+  const Ros2Robot robot = robot_of({container_with(planner), planner});
+  const Value tasks = *network_of(robot).find("tasks");
+  EXPECT_EQ(*tasks.find("planner")->find("properties"), Value::map({{"name", "/planner"}}));
+  EXPECT_NE(tasks.find("nav"), nullptr);
+  EXPECT_THAT(robot.files[1].text,
+              HasSubstr("# component of container /nav, which the robot cannot start: which plugins it loads "
+                        "for /planner is not known\n"
+                        "  # its plugin is not known; loaded are nav::Planner of package nav2_planner and "
+                        "nav::Map of package nav2_planner\n"));
+}
+
+TEST(Ros2Robot, TakesOverContainersWhoseProgramHasOtherNodes) {
+  Value planner = component("/planner", {plugin_named("nav::Planner")}, "only_one");
+  planner.as_map().set("process", process_with("/opt/ros/jazzy/lib/demo/talker", 3));
+  const Ros2Robot robot = robot_of({container_with(planner), planner});
+  EXPECT_THAT(robot.started, ElementsAre());
+  EXPECT_THAT(robot.nodes, ElementsAre("/nav", "/planner"));
+  EXPECT_THAT(robot.files[1].text, HasSubstr("its program has other nodes, too\n"));
+  EXPECT_THAT(robot_of({container_with(planner), planner}, false).files[1].text,
+              Not(HasSubstr("container /nav")));
+}
+
 TEST(Ros2Robot, LeavesOutHiddenNodesAndThoseOfSegue) {
   Value own = node("/chatter");
   own.as_map().set("process", process_with("/usr/bin/segue-deployment"));

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ros2_system.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <string_view>
+
+#include "output.hpp"
 
 namespace segue::cli {
 
@@ -10,6 +14,14 @@ namespace {
 using type::Value;
 
 constexpr int kMostDomain = 232;
+constexpr auto kShortLook = std::chrono::milliseconds(500);
+
+/// Shells expand what they complete.
+bool is_shell_word(std::string_view text) {
+  return std::ranges::all_of(text, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/';
+  });
+}
 
 Result<void> parse_domain(const std::string& text, std::optional<int>& domain) {
   int number = -1;
@@ -36,6 +48,23 @@ void add_ros2_system_options(Verb& verb, Ros2SystemOptions& options, bool asks) 
   if (!asks) return;
   verb.option("--timeout DURATION", options.patience, "how long a node has for its answers (default: 5s)")
       .between(std::chrono::milliseconds(1), kLongestWait);
+}
+
+std::vector<std::string> ros2_node_names() {
+  Ros2SystemOptions options;
+  options.wait = kShortLook;
+  const auto seen = look_at_ros2(options, Value::map({{"brief", true}}));
+  std::vector<std::string> names;
+  for (const Value& node : seen ? list_at(*seen, "nodes") : Value::List()) {
+    const std::string& name = node.find("name")->as_string();
+    if (is_shell_word(name) && name.find("/_") == std::string::npos) names.push_back(name);
+  }
+  return names;
+}
+
+void print_problems(const Value& seen) {
+  for (const Value& problem : seen.find("problems")->as_list())
+    print_note(problem.as_string());
 }
 
 std::string joined_names(const Value& list) {

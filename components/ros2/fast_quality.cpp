@@ -69,9 +69,9 @@ segue::ros2::Quality told(const Qos& other) {
 }
 
 template <class Qos>
-std::string hash_in(const Qos& other) {
+std::string told_data(const Qos& other) {
   const auto& data = other.m_userData.data_vec();
-  return segue::ros2::type_hash_in(std::string(data.begin(), data.end()));
+  return {data.begin(), data.end()};
 }
 
 }  // namespace
@@ -94,11 +94,11 @@ segue::ros2::Quality quality_of(const dds::WriterQos& quality) {
 segue::ros2::Quality quality_of(const dds::ReaderQos& quality) {
   return told(quality);
 }
-std::string hash_of(const dds::WriterQos& quality) {
-  return hash_in(quality);
+std::string user_data_of(const dds::WriterQos& quality) {
+  return told_data(quality);
 }
-std::string hash_of(const dds::ReaderQos& quality) {
-  return hash_in(quality);
+std::string user_data_of(const dds::ReaderQos& quality) {
+  return told_data(quality);
 }
 
 }  // namespace ros2

@@ -19,10 +19,10 @@ namespace dds = eprosima::fastdds::dds;
 dds::DataWriterQos writer_quality(const segue::ros2::Quality& quality, const std::string& user_data);
 dds::DataReaderQos reader_quality(const segue::ros2::Quality& quality, const std::string& user_data);
 
-/// The qualities and the hash that another endpoint says it has.
+/// The qualities and the user data that another endpoint says it has.
 segue::ros2::Quality quality_of(const dds::WriterQos& quality);
 segue::ros2::Quality quality_of(const dds::ReaderQos& quality);
-std::string hash_of(const dds::WriterQos& quality);
-std::string hash_of(const dds::ReaderQos& quality);
+std::string user_data_of(const dds::WriterQos& quality);
+std::string user_data_of(const dds::ReaderQos& quality);
 
 }  // namespace ros2

@@ -51,6 +51,20 @@ bool has_one_of(const fs::path& process, const std::vector<std::string>& sockets
   return false;
 }
 
+std::string path_of(pid_t process, const char* file) {
+  return "/proc/" + std::to_string(process) + "/" + file;
+}
+
+/// Of a file in which each word ends in NUL.
+std::vector<std::string> words_in(pid_t process, const char* file) {
+  const auto text = segue::read_file(path_of(process, file));
+  std::vector<std::string> words;
+  if (!text || text->empty()) return words;
+  for (const std::string_view word : segue::split(std::string_view(*text).substr(0, text->size() - 1), '\0'))
+    words.emplace_back(word);
+  return words;
+}
+
 }  // namespace
 
 std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
@@ -70,13 +84,25 @@ std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
 }
 
 std::vector<std::string> command_of(pid_t process) {
-  const auto text = segue::read_file("/proc/" + std::to_string(process) + "/cmdline");
-  std::vector<std::string> words;
-  if (!text || text->empty()) return words;
-  const std::string_view all = std::string_view(*text).substr(0, text->size() - 1);  // each word ends in NUL
-  for (const std::string_view word : segue::split(all, '\0'))
-    words.emplace_back(word);
-  return words;
+  return words_in(process, "cmdline");
+}
+
+std::string variable_of(pid_t process, std::string_view name) {
+  const std::string start = std::string(name) + "=";
+  for (const std::string& entry : words_in(process, "environ")) {
+    if (entry.starts_with(start)) return entry.substr(start.size());
+  }
+  return {};
+}
+
+std::set<std::string> mapped_files(pid_t process) {
+  std::set<std::string> files;
+  const auto text = segue::read_file(path_of(process, "maps"));
+  if (!text) return files;
+  for (const std::string_view line : segue::split(*text, '\n')) {
+    if (const auto path = line.find('/'); path != std::string_view::npos) files.emplace(line.substr(path));
+  }
+  return files;
 }
 
 }  // namespace ros2

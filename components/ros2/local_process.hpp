@@ -6,7 +6,9 @@
 #include <sys/types.h>
 
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ros2 {
@@ -18,5 +20,13 @@ std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address);
 
 /// The words of its command line; empty where the process has ended.
 std::vector<std::string> command_of(pid_t process);
+
+/// A variable of the environment that it was started with; empty where it has none, or has ended, or is
+/// another user's.
+std::string variable_of(pid_t process, std::string_view name);
+
+/// The files that it has mapped, such as its libraries, without links in their paths; none where it is
+/// another user's.
+std::set<std::string> mapped_files(pid_t process);
 
 }  // namespace ros2

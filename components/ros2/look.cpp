@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "look.hpp"
+#include "containers.hpp"
 #include "local_process.hpp"
 #include "node_interview.hpp"
 #include "settings.hpp"
@@ -12,7 +13,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <map>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -33,15 +36,49 @@ bool is_named(const Look& request, const Value& node) {
          std::ranges::find(request.nodes, node.find("name")->as_string()) != request.nodes.end();
 }
 
+/// The nodes that are named and those that share a participant with them, as components do with their
+/// container.
+std::set<std::string> with_neighbours(const Look& request, const segue::ros2::GraphSnapshot& graph) {
+  std::set<std::string> all(request.nodes.begin(), request.nodes.end());
+  for (const auto& participant : graph.participants) {
+    std::set<std::string> names;
+    for (const auto& node : participant.entities.nodes)
+      names.insert(full_name(node));
+    if (std::ranges::any_of(request.nodes, [&](const auto& node) { return names.contains(node); }))
+      all.merge(names);
+  }
+  return all;
+}
+
 /// Whether all that is asked for has been found.
 bool is_found(const Look& request, const Participant& participant) {
   if (request.nodes.empty()) return false;
-  std::size_t found = 0;
-  for (const Value& node : segue::ros2::describe_nodes(participant.graph().snapshot())) {
-    if (is_named(request, node) && node.find("unseen_endpoints")->as_int() == 0) ++found;
+  const auto graph = participant.graph().snapshot();
+  auto missing = with_neighbours(request, graph);
+  for (const Value& node : segue::ros2::describe_nodes(graph)) {
+    if (node.find("unseen_endpoints")->as_int() == 0) missing.erase(node.find("name")->as_string());
   }
-  return found >= request.nodes.size();
+  return missing.empty();
 }
+
+/// Of a brief look, when it ends: where nodes have been found, and nothing more for a while.
+class Quiet {
+ public:
+  void notice(const segue::ros2::GraphSnapshot& graph) {
+    std::size_t nodes = 0;
+    for (const auto& participant : graph.participants)
+      nodes += participant.entities.nodes.size();
+    const std::size_t things = graph.participants.size() + nodes;
+    if (nodes > 0 && things != things_) end_ = segue::Deadline(kWhile);
+    things_ = things;
+  }
+  [[nodiscard]] segue::TimePoint end() const { return end_; }
+
+ private:
+  static constexpr std::chrono::milliseconds kWhile{100};
+  std::size_t things_ = 0;
+  segue::TimePoint end_ = segue::TimePoint::max();
+};
 
 /// False: it was stopped.
 bool listen(const Look& request, Participant& participant, const std::stop_token& stop) {
@@ -55,15 +92,17 @@ bool listen(const Look& request, Participant& participant, const std::stop_token
   };
   participant.watch(&mutex, notify);
   const segue::TimePoint end = segue::Deadline(request.wait);
+  Quiet quiet;
   bool found = false;
   {
     const std::stop_callback stopped(stop, notify);
-    while (!found && !stop.stop_requested() && segue::monotonic_now() < end) {
+    while (!found && !stop.stop_requested() && segue::monotonic_now() < std::min(end, quiet.end())) {
       {
         const segue::Lock lock(mutex);
-        changed.wait_until(mutex, end, [&] { return has_changed; });
+        changed.wait_until(mutex, std::min(end, quiet.end()), [&] { return has_changed; });
         has_changed = false;
       }
+      if (request.brief) quiet.notice(participant.graph().snapshot());
       found = is_found(request, participant);
     }
   }
@@ -107,16 +146,48 @@ std::map<std::string, Value> processes(const segue::ros2::GraphSnapshot& graph) 
   return all;
 }
 
-void ask_all(const Look& request, const Interview& interview, Value::List& nodes) {
+/// Calls it with each number below `count`, in several threads.
+void for_each(std::size_t count, const std::function<void(std::size_t)>& function) {
   std::atomic<std::size_t> next = 0;
   std::vector<std::jthread> threads;
-  for (std::size_t i = 0; i < std::min(kThreads, nodes.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kThreads, count); ++i) {
     threads.emplace_back([&] {
-      for (std::size_t mine = next++; mine < nodes.size(); mine = next++) {
-        if (is_named(request, nodes[mine])) ask(interview, nodes[mine].as_map());
-      }
+      for (std::size_t mine = next++; mine < count; mine = next++)
+        function(mine);
     });
   }
+}
+
+/// The numbers of the containers that are asked. Where two have one name, each would answer as the other.
+std::vector<std::size_t> containers_in(const Look& request, const segue::ros2::GraphSnapshot& graph,
+                                       const Value::List& nodes) {
+  const auto wanted = with_neighbours(request, graph);
+  std::vector<std::size_t> containers;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const bool is_wanted =
+        request.all || request.containers || wanted.contains(nodes[i].find("name")->as_string());
+    if (is_wanted && is_container(nodes[i]) && nodes[i].find("copies")->as_int() == 1)
+      containers.push_back(i);
+  }
+  return containers;
+}
+
+/// Asks the containers; a text for each that does not answer.
+Value::List ask_containers(const std::vector<std::size_t>& containers, const Interview& interview,
+                           Value::List& nodes) {
+  const auto name = [&](std::size_t i) { return nodes[containers[i]].find("name")->as_string(); };
+  std::vector<Result<Value::List>> answers(containers.size(), Value::List());
+  for_each(containers.size(), [&](std::size_t i) { answers[i] = ask_components(interview, name(i)); });
+  Value::List problems;
+  for (std::size_t i = 0; i < containers.size(); ++i) {
+    if (answers[i]) {
+      add_components(std::move(*answers[i]), nodes[containers[i]], nodes);
+    } else {
+      problems.emplace_back(name(i) +
+                            " does not tell its components: " + segue::to_string(answers[i].error()));
+    }
+  }
+  return problems;
 }
 
 Result<void> check_named(const Look& request, const Value::List& nodes) {
@@ -157,7 +228,9 @@ Result<Look> parse_look(const Value& request) {
     return request.find(key) != nullptr && request.find(key)->as_bool();
   };
   look.all = flag("all");
+  look.containers = flag("containers");
   look.types = flag("types");
+  look.brief = flag("brief");
   return look;
 }
 
@@ -170,15 +243,20 @@ Result<Value> look(const Look& request, const std::stop_token& stop) {
   const auto graph = (*participant)->graph().snapshot();
   auto nodes = segue::ros2::describe_nodes(graph);
   if (auto named = check_named(request, nodes); !named) return named.error();
-  auto on_this_computer = processes(graph);
+  auto on_this_computer = request.brief ? std::map<std::string, Value>() : processes(graph);
   for (Value& node : nodes) {
     const auto process = on_this_computer.find(node.find("name")->as_string());
     if (process != on_this_computer.end()) node.as_map().set("process", std::move(process->second));
   }
-  ask_all(request, {*participant, request.patience, request.types, stop}, nodes);
+  const Interview interview{*participant, request.patience, request.types, stop};
+  auto problems = ask_containers(containers_in(request, graph, nodes), interview, nodes);
+  for_each(nodes.size(), [&](std::size_t i) {
+    if (is_named(request, nodes[i])) ask(interview, nodes[i].as_map());
+  });
   if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "the look was stopped");
-  return Value::map(
-      {{"nodes", Value(std::move(nodes))}, {"topics", Value(segue::ros2::describe_topics(graph))}});
+  return Value::map({{"nodes", Value(std::move(nodes))},
+                     {"topics", Value(segue::ros2::describe_topics(graph))},
+                     {"problems", Value(std::move(problems))}});
 }
 
 }  // namespace ros2

@@ -20,17 +20,21 @@ struct Look {
   segue::Duration patience = std::chrono::seconds(5);  ///< how long a node has for its answers
   std::vector<std::string> nodes{};  ///< these are asked; the look ends when they have been found
   bool all = false;                  ///< all nodes are asked
+  bool containers = false;           ///< all containers are asked for their components
   bool types = false;                ///< and for types that are not built in
+  bool brief = false;  ///< for names only: it ends when no more nodes are found, and looks for no processes
 };
 
 /// The request of the program segue-ros2, a map of these by their names; durations are texts ("3s").
 segue::Result<Look> parse_look(const segue::type::Value& request);
 
-/// {nodes: [...], topics: [...]} as of segue::ros2::describe_nodes() and describe_topics(). Nodes that are
-/// asked have the entries of ask(), and `process`: {pid, nodes, command: [WORD], installation, package,
-/// executable, remappings, arguments}, the latter as far as the command tells; without `process` it is not on
-/// this computer, or is not this user's. NotFound: a node that is named is not there. Other failures are
-/// those of Participant::join(); Cancelled by `stop`.
+/// {nodes: [...], topics: [...]} as of segue::ros2::describe_nodes() and describe_topics(), and `problems`: a
+/// text for each container that does not answer. Nodes that are asked have the entries of ask(). All nodes
+/// have `process`: {pid, nodes, command: [WORD], installation, package, executable, remappings, arguments},
+/// the latter as far as the command tells; without `process` it is not on this computer, or is not this
+/// user's. The containers of nodes that are asked are asked, too, and add_components() adds what they tell.
+/// NotFound: a node that is named is not there. Other failures are those of Participant::join(); Cancelled by
+/// `stop`.
 segue::Result<segue::type::Value> look(const Look& request, const std::stop_token& stop);
 
 }  // namespace ros2

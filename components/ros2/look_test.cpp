@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "look.hpp"
 #include "peers/node_peer.hpp"
+#include "peers/typed_peer.hpp"
 #include "topics_test_support.hpp"
 
 #include <unistd.h>
@@ -39,6 +40,38 @@ class Looks : public ::testing::TestWithParam<Middleware> {
                        !found.find("publishers")->as_list().empty());
     }));
     return found;
+  }
+  /// The description of /dock, with its types, in the same way; `topics` are those of the node itself.
+  static Value dock(std::size_t topics = 0) {
+    Look request = at("/dock");
+    request.types = true;
+    Value found;
+    static_cast<void>(eventually([&] {
+      const auto seen = look(request, {});
+      EXPECT_TRUE(seen) << segue::to_string(seen.error());
+      for (const Value& node : seen ? seen->find("nodes")->as_list() : Value::List()) {
+        if (node.find("name")->as_string() == "/dock") found = node;
+      }
+      const auto count = [&](const char* key) { return found.find(key)->as_list().size(); };
+      return !seen || (found.is_map() && count("services") == 2 && count("actions") == 1 &&
+                       count("publishers") == topics && has_all_hashes(found));
+    }));
+    return found;
+  }
+  /// Of the action; its services and its topic are found one by one.
+  static bool has_all_hashes(const Value& node) {
+    const Value* hashes = node.find("actions")->as_list().front().find("hashes");
+    std::size_t found = 0;
+    for (const char* part : {"SendGoal_Request", "SendGoal_Response", "GetResult_Request",
+                             "GetResult_Response", "FeedbackMessage"})
+      found += hashes->find("dock_msgs/action/Run_" + std::string(part)) != nullptr ? 1 : 0;
+    return found == 5;
+  }
+  static std::string problems_of(const Value& node) {
+    std::string all;
+    for (const Value& problem : node.find("problems")->as_list())
+      all += problem.as_string() + "\n";
+    return all;
   }
   static Value parameter(const Value& node, const std::string& name) {
     for (const Value& one : node.find("parameters")->as_list()) {
@@ -80,6 +113,44 @@ TEST_P(Looks, FindTypesThatAreNotBuiltIn) {
             Value::map({{"lidar_msgs/msg/Sweep.msg", "std_msgs/Header header\nfloat32[<=720] ranges\n"}}));
 }
 
+TEST_P(Looks, FindTypesOfServicesAndActions) {
+  TypedPeer peer(peers(), TypedPeer::Release::Lyrical);
+  const Value node = dock();
+  EXPECT_EQ(problems_of(node), "");
+  EXPECT_EQ(*node.find("files"),
+            Value::map({{"dock_msgs/action/Run.action",
+                         "dock_msgs/Side side\n---\nbool docked\n---\nfloat32 distance\n"},
+                        {"dock_msgs/msg/Side.msg", "string name\n"},
+                        {"dock_msgs/srv/Ask.srv", "dock_msgs/Side side\n---\n"}}));
+}
+
+TEST_P(Looks, FindTypesOfServicesByTheirEvents) {
+  TypedPeer peer(peers(), TypedPeer::Release::JazzyIntrospected);
+  const Value node = dock(1);
+  EXPECT_EQ(*node.find("files"), Value::map({{"dock_msgs/msg/Side.msg", "string name\n"},
+                                             {"dock_msgs/srv/Ask.srv", "dock_msgs/Side side\n---\n"}}));
+  EXPECT_THAT(problems_of(node),
+              HasSubstr("type dock_msgs/action/Run is not built in, and the node does not tell it"));
+}
+
+TEST_P(Looks, SayThatTypesOfServicesAreNotTold) {
+  TypedPeer peer(peers(), TypedPeer::Release::Jazzy);
+  const Value node = dock();
+  EXPECT_EQ(*node.find("files"), Value::map({}));
+  EXPECT_THAT(problems_of(node),
+              HasSubstr("type dock_msgs/srv/Ask is not built in, and the node does not tell it, as nodes do "
+                        "from Lyrical on: name a folder with its package"));
+}
+
+TEST_P(Looks, RefuseServicesThatAreNotOfTheHashesOfTheirEndpoints) {
+  TypedPeer peer(peers(), TypedPeer::Release::Wrong);
+  const Value node = dock();
+  EXPECT_EQ(*node.find("files"), Value::map({}));
+  EXPECT_THAT(problems_of(node),
+              HasSubstr("type dock_msgs/srv/Ask: what the node tells of dock_msgs/srv/Ask_Response is "
+                        "another type"));
+}
+
 TEST_P(Looks, RefuseATypeThatIsNotTheOneThatWasAnnounced) {
   NodePeer peer(peers(), LookFault::TellsAnotherType);
   Look request = at("/lidar");
@@ -88,7 +159,7 @@ TEST_P(Looks, RefuseATypeThatIsNotTheOneThatWasAnnounced) {
   EXPECT_EQ(*node.find("files"), Value::map({}));
   ASSERT_EQ(node.find("problems")->as_list().size(), 1U);
   EXPECT_THAT(node.find("problems")->as_list().front().as_string(),
-              HasSubstr("what the node tells is another type"));
+              HasSubstr("what the node tells of lidar_msgs/msg/Sweep is another type"));
 }
 
 TEST_P(Looks, SayWhatANodeDoesNotAnswerAndShowTheRest) {
@@ -114,6 +185,18 @@ TEST_P(Looks, SayThatANodeIsNotThere) {
   Look request = at("/nobody");
   request.wait = std::chrono::milliseconds(100);
   EXPECT_THAT(segue::to_string(look(request, {}).error()), HasSubstr("no node '/nobody'"));
+}
+
+TEST_P(Looks, ThatAreBriefEndWhenNoMoreNodesAreFound) {
+  NodePeer peer(peers());
+  Look request = at("/lidar");
+  request.nodes = {};
+  request.brief = true;
+  request.wait = std::chrono::hours(1);
+  const auto seen = look(request, {});
+  ASSERT_TRUE(seen);
+  ASSERT_EQ(seen->find("nodes")->as_list().size(), 1U);
+  EXPECT_EQ(*seen->find("nodes")->as_list().front().find("name"), Value("/lidar"));
 }
 
 TEST_P(Looks, EndWhenTheyAreStopped) {

@@ -4,11 +4,11 @@
 #include "requester.hpp"
 
 #include <segue/ros2/parameter_value.hpp>
-#include <segue/ros2/told_interface.hpp>
 #include <segue/ros2/type_hash.hpp>
+#include <segue/ros2/used_interfaces.hpp>
 
+#include <algorithm>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -18,6 +18,7 @@ namespace {
 using segue::ErrorCode;
 using segue::fail;
 using segue::Result;
+using segue::ros2::TypeHashes;
 using segue::type::Value;
 using segue::type::ValueMap;
 
@@ -52,20 +53,16 @@ class Questions {
   }
 
   void ask_types() {
-    std::set<std::string> asked;
     ValueMap files;
-    for (const char* direction : {"publishers", "subscriptions"}) {
-      for (const Value& topic : node_.find(direction)->as_list()) {
-        const std::string& type = topic.find("type")->as_string();
-        const std::string& hash = topic.find("hash")->as_string();
-        if (is_built_in(type, hash) || !asked.insert(type + hash).second) continue;
-        if (auto told = ask_type(type, hash); !told) {
-          note(segue::to_string(told.error()));
-        } else {
-          for (auto& [path, text] : *told)
-            files.set(path, std::move(text));
-        }
+    for (const auto& [name, hashes] : segue::ros2::used_interfaces(Value(node_))) {
+      if (is_built_in(name, hashes)) continue;
+      auto told = ask_type(name, hashes);
+      if (!told) {
+        note(segue::to_string(told.error()));
+        continue;
       }
+      for (auto& file : *told)
+        files.set(file.path, std::move(file.text));
     }
     node_.set("files", Value(std::move(files)));
   }
@@ -140,28 +137,32 @@ class Questions {
   }
 
   /// Without a hash, by its name.
-  static bool is_built_in(const std::string& type, const std::string& hash) {
+  static bool is_built_in(const std::string& type, const TypeHashes& hashes) {
     segue::ros2::InterfaceLibrary library;
-    const auto own = segue::ros2::type_hash(library, type);
-    return own && (hash.empty() || *own == hash);
+    return library.find(type) && std::ranges::all_of(hashes, [&](const auto& hash) {
+             const auto own = segue::ros2::type_hash(library, hash.first);
+             return own && *own == hash.second;
+           });
   }
 
-  Result<std::vector<std::pair<std::string, std::string>>> ask_type(const std::string& type,
-                                                                    const std::string& hash) {
-    if (hash.empty() || !offers("get_type_description")) {
+  Result<std::vector<segue::ros2::InterfaceFile>> ask_type(const std::string& type,
+                                                           const TypeHashes& hashes) {
+    const auto parts = segue::ros2::parts_to_ask(type, hashes);
+    if (parts.empty() || !offers("get_type_description")) {
+      const bool is_message = type.find("/msg/") != std::string::npos;
       return fail(ErrorCode::Unsupported,
-                  "type " + type +
-                      " is not built in, and the node does not tell it, as nodes do from "
-                      "Jazzy on: name a folder with its package under `interfaces`");
+                  "type " + type + " is not built in, and the node does not tell it, as nodes do from " +
+                      (is_message ? "Jazzy" : "Lyrical") +
+                      " on: name a folder with its package under `interfaces`");
     }
-    const auto answer = call("get_type_description", Value::map({{"type_name", type}, {"type_hash", hash}}));
-    if (!answer) return answer.error();
-    auto told = segue::ros2::told_interface(*answer, type, hash);
-    if (!told) return told.error();
-    std::vector<std::pair<std::string, std::string>> files;
-    for (auto& file : *told)
-      files.emplace_back(std::move(file.path), std::move(file.text));
-    return files;
+    segue::ros2::ToldInterfaces told;
+    for (const std::string& part : parts) {
+      const auto answer =
+          call("get_type_description", Value::map({{"type_name", part}, {"type_hash", hashes.at(part)}}));
+      if (!answer) return answer.error();
+      if (auto added = told.add(*answer, part); !added) return added.error();
+    }
+    return told.files(type, hashes);
   }
 
   const Interview& interview_;

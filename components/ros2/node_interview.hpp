@@ -15,7 +15,7 @@ namespace ros2 {
 struct Interview {
   std::shared_ptr<Participant> participant;
   segue::Duration patience = std::chrono::seconds(5);  ///< for all answers of one node
-  bool types = false;  ///< also the definitions of its topics' types that are not built in
+  bool types = false;  ///< also the definitions of its types that are not built in
   std::stop_token stop;
 };
 

@@ -356,8 +356,9 @@ void Participant::on_publisher_discovery(dds::DomainParticipant*, rtps::WriterDi
   if (info.status == rtps::WriterDiscoveryInfo::REMOVED_WRITER) {
     graph_.remove(gid_of(info.info.guid()));
   } else {
+    const std::string told = user_data_of(info.info.m_qos);
     set({gid_of(info.info.guid()), true, info.info.topicName().to_string(), info.info.typeName().to_string(),
-         hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
+         segue::ros2::type_hash_in(told), quality_of(info.info.m_qos), segue::ros2::service_hash_in(told)});
   }
   tell_watchers();
 }
@@ -412,8 +413,9 @@ void Participant::on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderD
     graph_.remove(gid_of(info.info.guid()));
     forget_reader(gid_of(info.info.guid()));
   } else {
+    const std::string told = user_data_of(info.info.m_qos);
     set({gid_of(info.info.guid()), false, info.info.topicName().to_string(), info.info.typeName().to_string(),
-         hash_of(info.info.m_qos), quality_of(info.info.m_qos)});
+         segue::ros2::type_hash_in(told), quality_of(info.info.m_qos), segue::ros2::service_hash_in(told)});
   }
   tell_watchers();
 }

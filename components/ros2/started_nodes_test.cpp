@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "look.hpp"
 #include "topics_test_support.hpp"
+
+#include <segue/type/yaml.hpp>
 
 #include <support/paths.hpp>
 #include <support/ros2_installation.hpp>
@@ -188,6 +191,34 @@ TEST_F(StartedNodes, OfAContainerShareItsProcess) {
   ASSERT_EQ(error_of(second.task().cleanup(soon())), "");
   EXPECT_TRUE(is_gone(pid_of("container")));
   EXPECT_EQ(noted("container.end"), "by SIGINT");
+}
+
+TEST_F(StartedNodes, OfAContainerAreSeenAsItsComponentsWithTheirPlugin) {
+  RunningTask first("ros2::ManagedNode", "first");
+  RunningTask second("ros2::ManagedNode", "second");
+  ASSERT_EQ(error_of(first.configure(component("/planner"))), "");
+  ASSERT_EQ(error_of(second.configure(component("/smoother"))), "");
+  Look request;
+  request.domain = static_cast<std::int32_t>(own_domain());
+  request.discovery = "localhost";
+  request.wait = request.patience = std::chrono::seconds(120);
+  request.nodes = {"/smoother"};
+  const auto seen = look(request, {});
+  ASSERT_TRUE(seen) << segue::to_string(seen.error());
+  EXPECT_EQ(*seen->find("problems"), Value(Value::List()));
+  const auto entry = [&](const std::string& name, const char* key) {
+    for (const Value& node : seen->find("nodes")->as_list())
+      if (*node.find("name") == Value(name) && node.find(key) != nullptr) return *node.find(key);
+    return Value();
+  };
+  EXPECT_EQ(segue::type::to_yaml(entry("/smoother", "container")),
+            "name: /container\nid: 2\nevidence: only_one\nplugins:\n"
+            "- {package: test_nodes, name: 'test::Managed'}\ncomponents: 2\nunknown: []\n");
+  const auto listed = entry("/container", "components");
+  ASSERT_EQ(listed.as_list().size(), 2U);
+  EXPECT_EQ(*listed.as_list().front().find("name"), Value("/planner"));
+  EXPECT_EQ(entry("/container", "problems"), Value()) << "it was not asked for anything else";
+  EXPECT_EQ(*entry("/smoother", "process").find("nodes"), Value(3));
 }
 
 TEST_F(StartedNodes, ThatAContainerDoesNotKnowAreSaid) {

@@ -3,6 +3,7 @@
 
 #include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
+#include <segue/ros2/told_interface.hpp>
 
 #include <algorithm>
 #include <map>
@@ -20,12 +21,14 @@ using type::ValueMap;
 
 constexpr std::string_view kActionPart = "/_action/";
 
-/// Of an endpoint: which service or action it serves or uses.
+/// Of an endpoint: which service or action it is a part of.
 struct Role {
   std::string name;  ///< "/lamp/set"
   std::string type;  ///< "std_srvs/srv/SetBool"
   bool serves = false;
   bool is_action = false;
+  bool is_first = false;  ///< the part by which it is known
+  TypeHashes hashes{};    ///< that the endpoint tells
 };
 
 bool drop_suffix(std::string& text, std::string_view suffix) {
@@ -34,20 +37,39 @@ bool drop_suffix(std::string& text, std::string_view suffix) {
   return true;
 }
 
-/// By the endpoint of requests, which servers read and clients write; nothing for all others.
-std::optional<Role> role_of(const Endpoint& endpoint) {
-  constexpr std::string_view kRequests = "rq/";
-  if (!endpoint.topic.starts_with(kRequests)) return {};
-  Role role{endpoint.topic.substr(kRequests.size() - 1), interface_of_dds_type(endpoint.type),
-            !endpoint.publishes, false};
-  if (!drop_suffix(role.name, "Request") || !drop_suffix(role.type, "_Request")) return {};
-  const std::size_t part = role.name.find(kActionPart);
-  if (part == std::string::npos) return role;
-  // An action is known by the first of its services.
-  if (role.name.substr(part + kActionPart.size()) != "send_goal" || !drop_suffix(role.type, "_SendGoal"))
+/// Of an endpoint of requests, which servers read and clients write, or of responses.
+std::optional<Role> role_in_service(const Endpoint& endpoint) {
+  const bool is_request = endpoint.topic.starts_with("rq/");
+  if (!is_request && !endpoint.topic.starts_with("rr/")) return {};
+  Role role{endpoint.topic.substr(2), interface_of_dds_type(endpoint.type), is_request != endpoint.publishes};
+  role.is_first = is_request;
+  if (!endpoint.type_hash.empty()) role.hashes[role.type] = endpoint.type_hash;
+  if (!drop_suffix(role.name, is_request ? "Request" : "Reply") ||
+      !drop_suffix(role.type, is_request ? "_Request" : "_Response"))
     return {};
-  role.name.resize(part);
-  role.is_action = true;
+  if (!endpoint.service_hash.empty()) role.hashes[role.type] = endpoint.service_hash;
+  return role;
+}
+
+/// Nothing for those that are no parts of a service or action, and for the cancel service of actions.
+std::optional<Role> role_of(const Endpoint& endpoint) {
+  auto role = role_in_service(endpoint);
+  if (!role && !endpoint.topic.starts_with("rt/")) return {};
+  if (!role) {
+    role = Role{endpoint.topic.substr(2), interface_of_dds_type(endpoint.type), endpoint.publishes};
+    if (!endpoint.type_hash.empty()) role->hashes[role->type] = endpoint.type_hash;
+  }
+  const std::size_t at = role->name.find(kActionPart);
+  if (at == std::string::npos) return role;
+  const std::string part = role->name.substr(at + kActionPart.size());
+  // An action is known by the first of its services.
+  role->is_first = role->is_first && part == "send_goal";
+  if (!(part == "send_goal" && drop_suffix(role->type, "_SendGoal")) &&
+      !(part == "get_result" && drop_suffix(role->type, "_GetResult")) &&
+      !(part == "feedback" && drop_suffix(role->type, "_FeedbackMessage")))
+    return {};
+  role->name.resize(at);
+  role->is_action = true;
   return role;
 }
 
@@ -74,23 +96,32 @@ Value topic_value(const Endpoint& endpoint) {
                      {"quality", to_value(endpoint.quality)}});
 }
 
+/// A service or an action of a node.
+struct Used {
+  std::string type;  ///< empty: nothing but other parts of it have been found
+  TypeHashes hashes;
+};
+
 /// A node with all that belongs to its name.
 struct Collected {
   std::vector<Value> publishers;
   std::vector<Value> subscriptions;
-  std::map<std::string, std::string> services, clients, actions, action_clients;
+  std::map<std::string, Used> services, clients, actions, action_clients;
   std::map<std::string, int> servers;  ///< by service
   int unseen = 0;
 
   void add(const Endpoint& endpoint) {
     if (is_topic(endpoint))
       return (endpoint.publishes ? publishers : subscriptions).push_back(topic_value(endpoint));
-    const auto role = role_of(endpoint);
+    auto role = role_of(endpoint);
     if (!role) return;
-    if (role->serves) ++servers[role->name];
     auto& list =
         role->is_action ? (role->serves ? actions : action_clients) : (role->serves ? services : clients);
-    list[role->name] = role->type;
+    Used& used = list[role->name];
+    used.hashes.merge(role->hashes);
+    if (!role->is_first) return;
+    used.type = role->type;
+    if (role->serves) ++servers[role->name];
   }
 };
 
@@ -99,17 +130,24 @@ Value sorted(std::vector<Value> topics) {
   return Value(std::move(topics));
 }
 
-Value to_value(const std::map<std::string, std::string>& services) {
+Value to_value(const std::map<std::string, Used>& services) {
   Value::List list;
-  for (const auto& [name, type] : services)
-    list.push_back(Value::map({{"name", name}, {"type", type}}));
+  for (const auto& [name, used] : services) {
+    if (used.type.empty()) continue;
+    Value one = Value::map({{"name", name}, {"type", used.type}});
+    ValueMap hashes;
+    for (const auto& [part, hash] : used.hashes)
+      hashes.set(part, hash);
+    if (!used.hashes.empty()) one.as_map().set("hashes", Value(std::move(hashes)));
+    list.push_back(std::move(one));
+  }
   return Value(std::move(list));
 }
 
 Value to_value(const std::string& name, Collected node) {
   const auto serves = [&](const char* service, std::string_view type) {
     const auto found = node.services.find(name + service);
-    return found != node.services.end() && found->second == type;
+    return found != node.services.end() && found->second.type == type;
   };
   int copies = 1;
   for (const auto& [service, count] : node.servers)

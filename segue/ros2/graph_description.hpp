@@ -12,7 +12,9 @@ namespace segue::ros2 {
 /// subscriptions: (the same), services: [{name, type}], clients, actions, action_clients: (the same),
 /// copies: 1, unseen_endpoints: 0}. `unseen_endpoints` are those that the node has named and that have not
 /// been found yet. The topics and services of which actions consist are not listed among the others. `hash`
-/// is empty where the node does not tell it (before Iron); the depth of a quality is never told.
+/// is empty where the node does not tell it (before Iron); the depth of a quality is never told. Services and
+/// actions have `hashes`: {TYPE: HASH} where they tell some, by the names of their parts: from Iron on those
+/// of requests, responses and feedback, from Lyrical on those of services.
 type::Value::List describe_nodes(const GraphSnapshot& graph);
 
 /// All topics, sorted by name, but for the parts of actions: {topic, types: [TYPE], publishers: [NODE],

@@ -79,6 +79,41 @@ TEST(GraphDescription, HasServicesAndActionsByWhoServesAndWhoUsesThem) {
   EXPECT_EQ(describe_topics(graph.snapshot()).size(), 0U);
 }
 
+TEST(GraphDescription, HasTheHashesOfServicesAndActions) {
+  NodeGraph graph;
+  const auto add = [&](std::uint8_t number, bool publishes, const std::string& topic, const std::string& type,
+                       const std::string& hash, const std::string& service_hash) {
+    Endpoint made = endpoint(number, publishes, topic, type);
+    made.type_hash = hash;
+    made.service_hash = service_hash;
+    graph.set(made);
+  };
+  add(1, false, "rq/askRequest", "a::srv::dds_::Ask_Request_", "q", "s");
+  add(2, true, "rr/askReply", "a::srv::dds_::Ask_Response_", "r", "s");
+  add(3, false, "rq/dock/_action/send_goalRequest", "a::action::dds_::Dock_SendGoal_Request_", "", "g");
+  add(4, true, "rr/dock/_action/get_resultReply", "a::action::dds_::Dock_GetResult_Response_", "", "e");
+  add(5, true, "rt/dock/_action/feedback", "a::action::dds_::Dock_FeedbackMessage_", "f", "");
+  add(6, true, "rr/dock/_action/cancel_goalReply", "action_msgs::srv::dds_::CancelGoal_Response_", "", "c");
+  const std::vector<Gid> all = {gid_number(1), gid_number(2), gid_number(3),
+                                gid_number(4), gid_number(5), gid_number(6)};
+  graph.set(ParticipantEntities{gid_number(99), {{"/", "nav", all, {}}}});
+  const Value nav = node_named(graph, "/nav");
+  EXPECT_EQ(
+      *nav.find("services"),
+      Value::list({Value::map(
+          {{"name", "/ask"},
+           {"type", "a/srv/Ask"},
+           {"hashes",
+            Value::map({{"a/srv/Ask", "s"}, {"a/srv/Ask_Request", "q"}, {"a/srv/Ask_Response", "r"}})}})}));
+  EXPECT_EQ(*nav.find("actions"),
+            Value::list({Value::map({{"name", "/dock"},
+                                     {"type", "a/action/Dock"},
+                                     {"hashes", Value::map({{"a/action/Dock_FeedbackMessage", "f"},
+                                                            {"a/action/Dock_GetResult", "e"},
+                                                            {"a/action/Dock_SendGoal", "g"}})}})}));
+  EXPECT_EQ(*nav.find("clients"), Value(Value::List()));
+}
+
 TEST(GraphDescription, SaysThatTwoNodesHaveOneName) {
   NodeGraph graph;
   add_server(graph, 1, "/nav/get_parameters", "rcl_interfaces::srv::dds_::GetParameters");

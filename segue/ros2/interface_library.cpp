@@ -67,18 +67,23 @@ Result<const MessageDefinition*> InterfaceLibrary::find(std::string_view name) {
 
 Result<void> InterfaceLibrary::load(const InterfaceName& name) {
   const InterfaceName whole{name.package, name.kind, whole_of(name)};
-  Diagnostics diagnostics;
-  std::vector<MessageDefinition> messages;
   if (const auto path = file_of(folders_, name)) {
     const auto text = read_file(*path);
-    if (!text) return text.error();
-    messages = read_interface(whole, *text, path->string(), diagnostics);
-  } else if (const auto found = standard_interfaces().find(to_string(whole));
-             found != standard_interfaces().end()) {
-    messages = read_interface(whole, found->second, found->first, diagnostics);
-  } else {
-    return no_such(to_string(name));
+    return text ? read(whole, *text, path->string()) : text.error();
   }
+  const auto found = standard_interfaces().find(to_string(whole));
+  return found == standard_interfaces().end() ? no_such(to_string(name))
+                                              : read(whole, found->second, found->first);
+}
+
+Result<void> InterfaceLibrary::add(const InterfaceName& name, std::string_view text) {
+  return read(name, text, to_string(name));
+}
+
+Result<void> InterfaceLibrary::read(const InterfaceName& name, std::string_view text,
+                                    const std::string& file) {
+  Diagnostics diagnostics;
+  auto messages = read_interface(name, text, file, diagnostics);
   if (diagnostics.has_errors()) return diagnostics.to_error(ErrorCode::ParseError);
   for (MessageDefinition& message : messages) {
     std::string key = message.name;

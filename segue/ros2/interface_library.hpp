@@ -22,6 +22,9 @@ class InterfaceLibrary {
   /// prefix of an installation, such as /opt/ros/jazzy, will do); the first that has a file wins.
   explicit InterfaceLibrary(std::vector<std::filesystem::path> folders = {});
 
+  /// Takes this text in place of the file or the built-in text of an interface, from when on it has not been
+  /// asked for. ParseError.
+  Result<void> add(const InterfaceName& name, std::string_view text);
   /// The message of that name, such as "sensor_msgs/msg/LaserScan", "std_srvs/srv/SetBool_Request", or the
   /// structure of a whole service or action. NotFound names similar ones, ParseError carries what was found
   /// in its file. The result is valid as long as the library.
@@ -41,6 +44,7 @@ class InterfaceLibrary {
   Result<void> add_parts(const MessageDefinition& message, Parts& parts);
   /// Reads the file of that interface, or its built-in text.
   Result<void> load(const InterfaceName& name);
+  Result<void> read(const InterfaceName& name, std::string_view text, const std::string& file);
   [[nodiscard]] Error no_such(std::string_view name) const;
 
   std::vector<std::filesystem::path> folders_;

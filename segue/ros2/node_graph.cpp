@@ -23,6 +23,16 @@ std::string difference(const Endpoint& own, const Endpoint& other) {
          ", here " + own.type_hash + ")";
 }
 
+std::string hash_at(std::string_view key, std::string_view user_data) {
+  constexpr std::size_t kLongestHash = 100;  // RIHS01_ and 64 digits, today
+  for (const std::string_view entry : split(user_data, ';')) {
+    if (!entry.starts_with(key)) continue;
+    const std::string_view hash = entry.substr(key.size());
+    return hash.size() <= kLongestHash && is_topic_token(hash) ? std::string(hash) : std::string();
+  }
+  return {};
+}
+
 }  // namespace
 
 void NodeGraph::set(Endpoint endpoint) {
@@ -154,14 +164,11 @@ Result<void> check(const Endpoint& endpoint) {
 }
 
 std::string type_hash_in(std::string_view user_data) {
-  constexpr std::string_view kKey = "typehash=";
-  constexpr std::size_t kLongestHash = 100;  // RIHS01_ and 64 digits, today
-  for (const std::string_view entry : split(user_data, ';')) {
-    if (!entry.starts_with(kKey)) continue;
-    const std::string_view hash = entry.substr(kKey.size());
-    return hash.size() <= kLongestHash && is_topic_token(hash) ? std::string(hash) : std::string();
-  }
-  return {};
+  return hash_at("typehash=", user_data);
+}
+
+std::string service_hash_in(std::string_view user_data) {
+  return hash_at("sertypehash=", user_data);
 }
 
 }  // namespace segue::ros2

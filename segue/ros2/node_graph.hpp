@@ -26,6 +26,8 @@ struct Endpoint {
   std::string type;         ///< on DDS: "std_msgs::msg::dds_::String_"
   std::string type_hash{};  ///< "RIHS01_..."; empty where it says none (before Iron)
   Quality quality{};        ///< its depth is not known
+  /// Of the service whose requests or responses it has; empty where it says none (before Lyrical).
+  std::string service_hash{};
 };
 
 /// Where a participant gets what others say of themselves (UDP on IPv4).
@@ -98,5 +100,7 @@ Result<void> check(const Endpoint& endpoint);
 /// The hash in the user data of an endpoint, "typehash=RIHS01_...;"; empty where there is none, or none of
 /// letters, digits and '_'.
 std::string type_hash_in(std::string_view user_data);
+/// In the same way, that of the service: "sertypehash=RIHS01_...;".
+std::string service_hash_in(std::string_view user_data);
 
 }  // namespace segue::ros2

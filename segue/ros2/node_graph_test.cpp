@@ -180,6 +180,8 @@ TEST(Endpoint, HasNamesThatCanBeShown) {
     *name = good;
   }
   EXPECT_EQ(type_hash_in("typehash=RIHS01_0a;"), "RIHS01_0a");
+  EXPECT_EQ(type_hash_in("sertypehash=RIHS01_0b;typehash=RIHS01_0a;"), "RIHS01_0a");
+  EXPECT_EQ(service_hash_in("typehash=RIHS01_0a;sertypehash=RIHS01_0b;"), "RIHS01_0b");
   EXPECT_EQ(type_hash_in("typehash=\033[2J;"), "");
   EXPECT_EQ(type_hash_in("typehash=" + std::string(101, 'a')), "");
 }

@@ -51,6 +51,16 @@ TEST_F(RunningRos2, IsListed) {
   EXPECT_THAT(other.output, Not(HasSubstr("/lidar"))) << "it is in another domain";
 }
 
+TEST_F(RunningRos2, IsKnownToCompletion) {
+  EXPECT_TRUE(eventually([&] {
+    return segue({"complete-names", "ros2-nodes"}).output.find("/lidar\n") != std::string::npos;
+  }));
+  ::setenv("ROS_DOMAIN_ID", "no number", 1);
+  const auto failed = segue({"complete-names", "ros2-nodes"});
+  EXPECT_EQ(failed.status, 0);
+  EXPECT_EQ(failed.output + failed.errors, "") << "shells show what it says";
+}
+
 TEST_F(RunningRos2, IsDescribedWithItsTypes) {
   const auto shown =
       segue({"ros2", "describe", "/lidar", "--wait", "100s", "--timeout", "100s", "--types", "types"});

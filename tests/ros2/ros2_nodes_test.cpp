@@ -185,5 +185,73 @@ TEST_F(ConnectedNodes, OfOneTopicAreNotConnected) {
               HasSubstr("counter.numbers and listener.words are both topic /numbers of ROS 2"));
 }
 
+/// Two components of a container that a robot has started.
+class RunningContainer : public NodesOfARobot {
+ protected:
+  void SetUp() override {
+    NodesOfARobot::SetUp();
+    write("rover/controllers/load.yaml", "tasks:\n" + task("planner") + task("smoother") +
+                                             "deployments: {ros2: {tasks: [planner, smoother]}}\n");
+    start();
+    ASSERT_EQ(segue({"switch", "load", "--timeout", "120s"}).status, 0);
+  }
+  static std::string task(const std::string& name) {
+    return "  " + name + ": {component: 'ros2::ManagedNode', properties: {name: /" + name +
+           ", timeout: 100s, process: {package: test_nodes, component: 'test::Managed', container: /nav}, "
+           "parameters: {rate: 7}}}\n";
+  }
+  [[nodiscard]] std::string imported(const std::string& folder) const {
+    return read_file(folder_ / folder / "controllers/nodes.yaml").value_or("");
+  }
+};
+
+TEST_F(RunningContainer, IsDescribedWithItsComponents) {
+  const auto container = segue({"ros2", "describe", "/nav", "--wait", "100s", "--timeout", "100s"});
+  ASSERT_EQ(container.status, 0) << container.errors;
+  EXPECT_THAT(container.output,
+              ::testing::ContainsRegex("[12] +/planner +test::Managed of package test_nodes"));
+  EXPECT_THAT(container.output,
+              ::testing::ContainsRegex("[12] +/smoother +test::Managed of package test_nodes"));
+  EXPECT_THAT(
+      segue({"ros2", "describe", "/smoother", "--wait", "100s", "--timeout", "100s"}).output,
+      ::testing::ContainsRegex("container: /nav, component [12]: test::Managed of package test_nodes\n"));
+  std::string nodes;
+  EXPECT_TRUE(eventually([&] {
+    nodes = segue({"ros2", "nodes", "--wait", "2s"}).output;
+    return ::testing::Value(nodes, ::testing::ContainsRegex("/planner +yes .* /nav +rclcpp_components"));
+  })) << nodes;
+}
+
+TEST_F(RunningContainer, BecomesPartOfAnImportedRobot) {
+  int tries = 0;
+  std::string folder;
+  ASSERT_TRUE(eventually([&] {
+    folder = "robot" + std::to_string(++tries);
+    segue({"import", "ros2", folder, "--name", "rover", "--timeout", "100s"});
+    const std::string network = imported(folder);
+    return network.find("name: /planner\n") != std::string::npos &&
+           network.find("/smoother\n      parameters: {rate: 7}\n      process:") != std::string::npos;
+  })) << imported(folder);
+  std::string network = imported(folder);
+  EXPECT_THAT(network, HasSubstr("component: 'test::Managed'"));
+  EXPECT_THAT(network, ::testing::Not(HasSubstr("name: /nav\n")));
+  const pid_t before = ros->pid_of("nav");
+  ASSERT_EQ(stop().status, 0);
+  ASSERT_TRUE(eventually([&] { return ::kill(before, 0) != 0; }));
+  for (const char* name : {"/planner", "/smoother"}) {
+    const std::string line = "      name: " + std::string(name) + "\n";
+    network.insert(network.find(line), "      timeout: 100s\n");
+  }
+  write(folder + "/controllers/nodes.yaml", network);
+  robot_ =
+      std::make_unique<Process>(command({"run", folder + "/robot.yaml", "--controller", "nodes"}), folder_);
+  ASSERT_TRUE(robot_->wait_for("robot rover runs")) << robot_->wait().errors;
+  ASSERT_TRUE(eventually([&] { return controller() == "nodes"; })) << network;
+  EXPECT_NE(ros->pid_of("nav"), before);
+  EXPECT_EQ(ros->pid_of("smoother"), ros->pid_of("nav"));
+  EXPECT_THAT(ros->noted("smoother"), HasSubstr("rate: 7"));
+  EXPECT_EQ(stop().status, 0);
+}
+
 }  // namespace
 }  // namespace segue::testing

@@ -24,6 +24,9 @@ class Ros2Installation {
       fs::create_directories(link.parent_path());
       fs::create_symlink(program, link);
     }
+    write("jazzy/lib/libtest_nodes.so", "as if it were one");
+    write("jazzy/share/ament_index/resource_index/rclcpp_components/test_nodes",
+          "test::Managed;lib/libtest_nodes.so\ntest::Other;lib/libother.so\n");
     write("jazzy/setup.sh",
           "export AMENT_PREFIX_PATH='" + (folder_ / "jazzy").string() + "'\necho setup.sh was read\n");
     write("ros2.yaml",

@@ -379,8 +379,20 @@ TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
   EXPECT_TRUE(options.output.starts_with("--follow\n")) << options.output << options.errors;
   EXPECT_TRUE(contains(options.output, "run ")) << options.output;
   EXPECT_FALSE(contains(options.output, "--help")) << "names come first";
+  const auto inner = run(
+      {"/bin/bash", "-c",
+       "source completion.bash; segue() { test \"$*\" = 'complete-names ros2-nodes' && echo /lidar /slam; }; "
+       "COMP_WORDS=(segue ros2 describe /l); COMP_CWORD=3; _segue; echo \"${COMPREPLY[*]}\"; "
+       "COMP_WORDS=(segue import ros2 --run); _segue; echo \"${COMPREPLY[*]}\"; "
+       "COMP_WORDS=(segue ros2 nodes ''); _segue; echo \"${COMPREPLY[*]}\""},
+      folder_);
+  EXPECT_EQ(inner.output, "/lidar\n--running\n\n") << inner.errors;
+  EXPECT_TRUE(contains(segue({"complete-names", "ros2-interfaces"}).output, "std_srvs/srv/SetBool\n"));
+  EXPECT_TRUE(contains(segue({"complete-names", "ros2-packages"}).output, "sensor_msgs\n"));
   const auto zsh = segue({"completion", "zsh"});
   const auto fish = segue({"completion", "fish"});
+  for (const std::string& script : {zsh.output, fish.output})
+    EXPECT_TRUE(contains(script, "ros2-nodes")) << script;
   write("segue.fish", fish.output);
   if (std::filesystem::exists("/usr/bin/fish")) {
     const auto checked = run({"/usr/bin/fish", "--no-execute", "segue.fish"}, folder_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "node_peer.hpp"
+#include "typed_peer.hpp"
 
 #include <segue/ros2/parameter_value.hpp>
 #include <segue/ros2/type_hash.hpp>
@@ -30,19 +31,6 @@ Value description_of(const Value& parameter) {
                      {"description", name == "rate" ? "scans a second" : ""},
                      {"read_only", name == "serial"},
                      {"integer_range", Value(std::move(range))}});
-}
-
-Value type_value(const segue::ros2::MessageDefinition& message) {
-  Value::List fields;
-  for (const auto& field : message.fields) {
-    const int id = static_cast<int>(field.type.primitive) + static_cast<int>(field.type.multiplicity);
-    fields.push_back(Value::map({{"name", field.name},
-                                 {"type", Value::map({{"type_id", id},
-                                                      {"capacity", field.type.capacity},
-                                                      {"string_capacity", field.type.string_capacity},
-                                                      {"nested_type_name", field.type.nested}})}}));
-  }
-  return Value::map({{"type_name", message.name}, {"fields", Value(std::move(fields))}});
 }
 
 }  // namespace
@@ -101,15 +89,12 @@ Value NodePeer::got_parameters() {
 }
 
 Value NodePeer::type_response(Fault fault) {
-  const auto messages = library_.with_parts("lidar_msgs/msg/Sweep").value();
-  Value::List parts;
-  for (std::size_t i = 1; i < messages.size(); ++i)
-    parts.push_back(type_value(*messages[i]));
-  if (fault == Fault::TellsAnotherType) parts.pop_back();
-  return Value::map(
-      {{"successful", true},
-       {"type_description", Value::map({{"type_description", type_value(*messages.front())},
-                                        {"referenced_type_descriptions", Value(std::move(parts))}})}});
+  Value response = type_response_of(library_, "lidar_msgs/msg/Sweep");
+  if (fault == Fault::TellsAnotherType) {
+    auto& told = response.as_map()["type_description"].as_map()["type_description"].as_map();
+    told["fields"].as_list().pop_back();
+  }
+  return response;
 }
 
 }  // namespace ros2::testing

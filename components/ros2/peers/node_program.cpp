@@ -12,7 +12,7 @@
 //
 // stubborn: ignores SIGINT and SIGTERM, and has a child in a session of its own.
 //
-// component_container_isolated: loads managed nodes.
+// component_container_isolated: loads managed nodes, and maps PREFIX/lib/libtest_nodes.so as their library.
 //
 // All others: a managed node. Its parameters:
 //   takes: {configure: 0.3}         seconds; also activate, deactivate, cleanup
@@ -32,6 +32,8 @@
 #include <segue/ros2/parameter_value.hpp>
 #include <segue/type/yaml.hpp>
 
+#include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -47,6 +49,7 @@
 #include <map>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace ros2::testing {
@@ -163,8 +166,12 @@ Value with_dots(const Value& parameters) {
 /// A managed node as its parameters say.
 class Managed {
  public:
-  explicit Managed(const Arguments& node)
-      : name_(node.name), parameters_(with_dots(node.parameters)), services_(make_peer_, node.node()) {
+  explicit Managed(const Arguments& node,
+                   std::function<std::unique_ptr<Peer>()> make_peer = fast_peers_of_one_node(domain()))
+      : name_(node.name),
+        parameters_(with_dots(node.parameters)),
+        make_peer_(std::move(make_peer)),
+        services_(make_peer_, node.node()) {
     note_node(node);
     if (const Value* topic = parameters_.find("counts_on"))
       counter_ = std::make_unique<Counter>(make_peer_(), node.node(), topic->as_string(),
@@ -191,7 +198,7 @@ class Managed {
 
   const std::string name_;
   const Value parameters_;
-  const std::function<std::unique_ptr<Peer>()> make_peer_ = fast_peers_of_one_node(domain());
+  const std::function<std::unique_ptr<Peer>()> make_peer_;
   std::unique_ptr<Counter> counter_;
   std::unique_ptr<ManagedPeer> peer_;
   ServicePeer services_;
@@ -291,12 +298,23 @@ int listen(const Arguments& node) {
   return 0;
 }
 
+/// As a plugin's library is, the file stays mapped as long as this process lives.
+void map_library(const fs::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::mmap(nullptr, 1, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  ::close(descriptor);
+}
+
 /// A container of ROS 2 (composition_interfaces).
 class Container {
  public:
   explicit Container(const std::string& name) {
     load_->serve(name + "/_container/load_node", "composition_interfaces/srv/LoadNode");
     unload_->serve(name + "/_container/unload_node", "composition_interfaces/srv/UnloadNode");
+    list_->serve(name + "/_container/list_nodes", "composition_interfaces/srv/ListNodes");
+    for (const auto* peer : {&load_, &unload_, &list_})
+      (*peer)->announce(name.substr(1));
   }
   void answer() {
     for (const Request& request : load_->requests())
@@ -305,6 +323,8 @@ class Container {
       const bool known = nodes_.erase(decode("UnloadNode_Request", request).find("unique_id")->as_int()) > 0;
       respond(*unload_, request, Value::map({{"success", known}}), "UnloadNode_Response");
     }
+    for (const Request& request : list_->requests())
+      respond(*list_, request, list(), "ListNodes_Response");
   }
 
  private:
@@ -318,8 +338,18 @@ class Container {
     for (const Value& each : asked.find("parameters")->as_list())
       node.parameters.as_map().set(each.find("name")->as_string(),
                                    *each.find("value")->find("integer_value"));
-    nodes_[++last_] = std::make_unique<Managed>(node);
+    map_library(fs::path(std::getenv("AMENT_PREFIX_PATH")) / "lib/libtest_nodes.so");
+    nodes_[++last_] = {node.node(), std::make_unique<Managed>(node, make_peer_)};
     return Value::map({{"success", true}, {"full_node_name", node.node()}, {"unique_id", last_}});
+  }
+  [[nodiscard]] Value list() const {
+    Value::List names;
+    Value::List ids;
+    for (const auto& [id, node] : nodes_) {
+      names.emplace_back(node.first);
+      ids.emplace_back(id);
+    }
+    return Value::map({{"full_node_names", Value(std::move(names))}, {"unique_ids", Value(std::move(ids))}});
   }
   segue::ros2::MessageCodec codec(const std::string& name) {
     return segue::ros2::MessageCodec::of(library_, "composition_interfaces/srv/" + name).value();
@@ -337,7 +367,8 @@ class Container {
   const std::function<std::unique_ptr<Peer>()> make_peer_ = fast_peers_of_one_node(domain());
   std::unique_ptr<Peer> load_ = make_peer_();
   std::unique_ptr<Peer> unload_ = make_peer_();
-  std::map<std::int64_t, std::unique_ptr<Managed>> nodes_;
+  std::unique_ptr<Peer> list_ = make_peer_();
+  std::map<std::int64_t, std::pair<std::string, std::unique_ptr<Managed>>> nodes_;  ///< with their names
   std::int64_t last_ = 0;
 };
 

@@ -26,6 +26,13 @@ struct TopicOf {
   segue::ros2::Quality quality{};
 };
 
+/// The hashes that the endpoints of a service tell; empty ones are not told.
+struct ServiceHashes {
+  std::string request{};   ///< from Iron on
+  std::string response{};  ///< from Iron on
+  std::string whole{};     ///< that of the service, from Lyrical on
+};
+
 /// A request as a server of ROS 2 gets it.
 struct Request {
   Bytes message;  ///< its CDR, with the header
@@ -38,6 +45,12 @@ struct Response {
   std::int64_t number = 0;  ///< of its request
   Bytes message;
 };
+
+/// Hashes as they stand in the user data of an endpoint.
+inline std::string hash_data(const std::string& type, const std::string& service = "") {
+  return (type.empty() ? "" : "typehash=" + type + ";") +
+         (service.empty() ? "" : "sertypehash=" + service + ";");
+}
 
 class Peer {
  public:
@@ -59,7 +72,8 @@ class Peer {
   /// The messages that have come since the last call.
   virtual std::vector<Bytes> take() = 0;
   /// Offers a service ("/add", "std_srvs/srv/SetBool"), one at a time; the earlier one leaves.
-  virtual void serve(const std::string& service, const std::string& interface) = 0;
+  virtual void serve(const std::string& service, const std::string& interface,
+                     const ServiceHashes& hashes = {}) = 0;
   virtual void stop_serving() = 0;
   /// The requests that have come since the last call.
   virtual std::vector<Request> requests() = 0;

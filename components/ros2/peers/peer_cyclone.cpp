@@ -160,13 +160,15 @@ class CyclonePeer final : public Peer {
   }
   void publish(const Bytes& message) override { out_->write(message); }
   std::vector<Bytes> take() override { return in_->take(); }
-  void serve(const std::string& service, const std::string& interface) override {
+  void serve(const std::string& service, const std::string& interface, const ServiceHashes& hashes) override {
     stop_serving();
     const std::string server = "serviceid=1.2.3.4.5.6.7.8.9.a.b.c.d.e.f.10;";
     requests_ = make(false, {}, segue::ros2::dds_request_name(service).value(),
-                     segue::ros2::dds_type_name(interface + "_Request"), server);
+                     segue::ros2::dds_type_name(interface + "_Request"),
+                     server + hash_data(hashes.request, hashes.whole));
     responses_ = make(true, {}, segue::ros2::dds_response_name(service).value(),
-                      segue::ros2::dds_type_name(interface + "_Response"), server);
+                      segue::ros2::dds_type_name(interface + "_Response"),
+                      server + hash_data(hashes.response, hashes.whole));
   }
   void stop_serving() override {
     requests_.reset();
@@ -275,9 +277,7 @@ class CyclonePeer final : public Peer {
                                               const std::string& type,
                                               const std::string& more_user_data = "") const {
     auto channel = std::make_unique<Channel>(participant_, name, type);
-    dds_qos_t* quality =
-        quality_of(topic.quality,
-                   more_user_data + (topic.hash.empty() ? std::string() : "typehash=" + topic.hash + ";"));
+    dds_qos_t* quality = quality_of(topic.quality, more_user_data + hash_data(topic.hash));
     channel->entity = publishes
                           ? ::dds_create_writer(participant_, channel->topic.entity(), quality, nullptr)
                           : ::dds_create_reader(participant_, channel->topic.entity(), quality, nullptr);

@@ -70,7 +70,7 @@ class BytesType final : public edds::TopicDataType {
 };
 
 template <class Qos>
-Qos quality_of(const Quality& quality, const std::string& hash) {
+Qos quality_of(const Quality& quality, const std::string& user_data) {
   Qos made;
   made.reliability().kind = quality.reliability == segue::ros2::Reliability::Reliable
                                 ? edds::RELIABLE_RELIABILITY_QOS
@@ -86,10 +86,7 @@ Qos quality_of(const Quality& quality, const std::string& hash) {
     made.liveliness().kind = edds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
   made.endpoint().history_memory_policy = ertps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   made.data_sharing().off();
-  if (!hash.empty()) {
-    const std::string text = "typehash=" + hash + ";";
-    made.user_data().setValue({text.begin(), text.end()});
-  }
+  made.user_data().setValue({user_data.begin(), user_data.end()});
   return made;
 }
 
@@ -221,16 +218,25 @@ class FastPeer final : public Peer {
     latched.depth = 0;
     entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
   }
+  /// Others of the participant go on.
+  ~FastPeer() override {
+    stop_serving();
+    for (edds::DataWriter* writer : {out_, asks_})
+      if (writer != nullptr) publisher_->delete_datawriter(writer);
+    for (edds::DataReader* reader : {in_, answers_, entities_in_})
+      if (reader != nullptr) subscriber_->delete_datareader(reader);
+    if (shared_->nodes.erase(this) > 0) say_nodes();
+  }
 
   void advertise(const TopicOf& wanted) override {
     if (out_ != nullptr) publisher_->delete_datawriter(out_);
-    out_ = publisher_->create_datawriter(topic_of(wanted),
-                                         quality_of<edds::DataWriterQos>(wanted.quality, wanted.hash));
+    out_ = publisher_->create_datawriter(
+        topic_of(wanted), quality_of<edds::DataWriterQos>(wanted.quality, hash_data(wanted.hash)));
   }
   void subscribe(const TopicOf& wanted) override {
     if (in_ != nullptr) subscriber_->delete_datareader(in_);
-    in_ = subscriber_->create_datareader(topic_of(wanted),
-                                         quality_of<edds::DataReaderQos>(wanted.quality, wanted.hash));
+    in_ = subscriber_->create_datareader(
+        topic_of(wanted), quality_of<edds::DataReaderQos>(wanted.quality, hash_data(wanted.hash)));
     subscribed_ = segue::ros2::dds_topic_name(wanted.topic).value();
   }
   void announce(const std::string& node) override {
@@ -240,20 +246,16 @@ class FastPeer final : public Peer {
     if (requests_ != nullptr) entities.subscriptions.push_back(gid_of(requests_->guid()));
     if (responses_ != nullptr) entities.publishers.push_back(gid_of(responses_->guid()));
     shared_->nodes[this] = entities;
-    ParticipantEntities all{gid_of(participant_->guid()), {}};
-    for (const auto& [peer, part] : shared_->nodes)
-      add(part, all.nodes);
-    Bytes message = segue::ros2::encode(all);
-    shared_->entities_out->write(&message);
+    say_nodes();
   }
-  void say(const Bytes& entities) override {
+  void say(const Bytes& entities) final {
     Bytes bytes = entities;
     shared_->entities_out->write(&bytes);
   }
   void advertise_more(const TopicOf& wanted, std::size_t count) override {
     for (std::size_t i = 0; i < count; ++i) {
       publisher_->create_datawriter(topic_of(wanted),
-                                    quality_of<edds::DataWriterQos>(wanted.quality, wanted.hash));
+                                    quality_of<edds::DataWriterQos>(wanted.quality, hash_data(wanted.hash)));
     }
   }
   void publish(const Bytes& message) override {
@@ -261,14 +263,16 @@ class FastPeer final : public Peer {
     if (!out_->write(&bytes)) std::fprintf(stderr, "the peer cannot write\n");
   }
   std::vector<Bytes> take() override { return take(in_); }
-  void serve(const std::string& service, const std::string& interface) override {
+  void serve(const std::string& service, const std::string& interface, const ServiceHashes& hashes) override {
     stop_serving();
-    requests_ = subscriber_->create_datareader(topic(segue::ros2::dds_request_name(service).value(),
-                                                     segue::ros2::dds_type_name(interface + "_Request")),
-                                               quality_of<edds::DataReaderQos>({}, ""));
-    responses_ = publisher_->create_datawriter(topic(segue::ros2::dds_response_name(service).value(),
-                                                     segue::ros2::dds_type_name(interface + "_Response")),
-                                               quality_of<edds::DataWriterQos>({}, ""));
+    requests_ = subscriber_->create_datareader(
+        topic(segue::ros2::dds_request_name(service).value(),
+              segue::ros2::dds_type_name(interface + "_Request")),
+        quality_of<edds::DataReaderQos>({}, hash_data(hashes.request, hashes.whole)));
+    responses_ = publisher_->create_datawriter(
+        topic(segue::ros2::dds_response_name(service).value(),
+              segue::ros2::dds_type_name(interface + "_Response")),
+        quality_of<edds::DataWriterQos>({}, hash_data(hashes.response, hashes.whole)));
   }
   void stop_serving() override {
     if (requests_ != nullptr) subscriber_->delete_datareader(requests_);
@@ -358,6 +362,12 @@ class FastPeer final : public Peer {
   std::string user_data_of_publisher() override { return shared_->discovery.user_data(subscribed_); }
 
  private:
+  void say_nodes() {
+    ParticipantEntities all{gid_of(participant_->guid()), {}};
+    for (const auto& [peer, part] : shared_->nodes)
+      add(part, all.nodes);
+    say(segue::ros2::encode(all));
+  }
   static std::uint32_t matched(const edds::DataWriter& writer) {
     edds::PublicationMatchedStatus status;
     writer.get_publication_matched_status(status);

@@ -41,9 +41,10 @@ ServicePeer::~ServicePeer() {
   if (thread_.joinable()) thread_.join();
 }
 
-void ServicePeer::serve(const std::string& name, const std::string& interface, Answer answer) {
+void ServicePeer::serve(const std::string& name, const std::string& interface, Answer answer,
+                        const ServiceHashes& hashes) {
   auto peer = make_peer_();
-  peer->serve(node_ + "/" + name, interface);
+  peer->serve(node_ + "/" + name, interface, hashes);
   peer->announce(node_.substr(1));
   services_.push_back({std::move(peer), name, interface, std::move(answer)});
 }

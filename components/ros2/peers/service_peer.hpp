@@ -32,7 +32,8 @@ class ServicePeer {
   ServicePeer& operator=(const ServicePeer&) = delete;
 
   /// Before start(): a service of the node, "get_state".
-  void serve(const std::string& name, const std::string& interface, Answer answer);
+  void serve(const std::string& name, const std::string& interface, Answer answer,
+             const ServiceHashes& hashes = {});
   /// Those of these parameters (rcl_interfaces/msg/Parameter) but for set_parameters_atomically; `describe`
   /// makes the ParameterDescriptor of one.
   void serve_parameters(std::function<Value::List()> parameters,
