@@ -117,7 +117,7 @@ class PortCheck {
     report("unknown-port",
            "connection " + to_string(connection) + ": property " + name + " of task " +
                quote(end.task.str()) + " has no " + quote(end.port) +
-               (names.empty() ? "" : did_you_mean_or_list(end.port, names, "; it has")),
+               (names.empty() ? "" : did_you_mean_or_list(end.port, names, "it has")),
            connection.where);
   }
 

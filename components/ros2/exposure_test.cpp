@@ -103,6 +103,12 @@ class ExposedTasks : public Topics {
     return {make_peer(), service, interface};
   }
   static Asker setter() { return asker("/robot/drive/set_parameters", "rcl_interfaces/srv/SetParameters"); }
+  void read_rosout() const {
+    segue::ros2::Quality quality;
+    quality.durability = segue::ros2::Durability::TransientLocal;
+    quality.depth = 100;
+    peer->subscribe({.topic = "/rosout", .interface = "rcl_interfaces/msg/Log", .quality = quality});
+  }
   Texts nodes() const {
     Texts names;
     for (const auto& participant : peer->others()) {
@@ -324,10 +330,7 @@ TEST_P(ExposedTasks, OfferOperationsWithoutArgumentsWherePermitted) {
 TEST_P(ExposedTasks, HaveWhatTheyLogOnRosout) {
   robot->log("the battery is low");
   expose();
-  segue::ros2::Quality quality;
-  quality.durability = segue::ros2::Durability::TransientLocal;
-  quality.depth = 100;
-  peer->subscribe({.topic = "/rosout", .interface = "rcl_interfaces/msg/Log", .quality = quality});
+  read_rosout();
   segue::ros2::InterfaceLibrary library;
   const auto codec = segue::ros2::MessageCodec::of(library, "rcl_interfaces/msg/Log").value();
   Texts lines;
@@ -341,6 +344,30 @@ TEST_P(ExposedTasks, HaveWhatTheyLogOnRosout) {
     }
     return std::ranges::find(lines, "30 robot.drive: the battery is low") != lines.end();
   })) << ::testing::PrintToString(lines);
+}
+
+/// Whoever keeps few lines loses them otherwise.
+TEST_P(ExposedTasks, TellTheirLinesOneAfterTheOther) {
+  constexpr int kLines = 20;
+  expose();
+  read_rosout();
+  const auto lines_with = [this, found = 0](const std::string& text) mutable {
+    for (const Bytes& message : peer->take()) {
+      const std::string line(reinterpret_cast<const char*>(message.data()), message.size());
+      found += line.find(text) != std::string::npos ? 1 : 0;
+    }
+    return found;
+  };
+  // Nothing is asked for while nobody reads.
+  ASSERT_TRUE(eventually([&, read = lines_with]() mutable {
+    robot->log("is it read?");
+    return read("is it read?") > 0;
+  }));
+  robot->log("the last of these");
+  ASSERT_TRUE(eventually([read = lines_with]() mutable { return read("the last of these") == 1; }));
+  robot->log("many", kLines);
+  ASSERT_TRUE(eventually([read = lines_with]() mutable { return read("many") == kLines; }));
+  EXPECT_GE(segue::monotonic_now() - *robot->told(), (kLines - 1) * std::chrono::milliseconds(5));
 }
 
 TEST_P(ExposedTasks, AreNoNodesAfterTheRobotHasEnded) {

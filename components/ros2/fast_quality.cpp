@@ -12,6 +12,10 @@ namespace {
 using eprosima::fastrtps::Duration_t;
 using std::chrono::nanoseconds;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
+/// How often readers that have not acknowledged are told what there is. Readers of Cyclone DDS that come
+/// later miss a sample that is latched, since it is sent before they know its writer, and Fast DDS answers
+/// their question only after this time. Nothing is sent when all have acknowledged.
+const Duration_t kReminds{0, 100'000'000};
 
 Duration_t duration_of(nanoseconds duration) {
   if (duration.count() <= 0) return eprosima::fastrtps::c_TimeInfinite;
@@ -79,6 +83,7 @@ std::string told_data(const Qos& other) {
 dds::DataWriterQos writer_quality(const segue::ros2::Quality& quality, const std::string& user_data) {
   dds::DataWriterQos made;
   fill(made, quality, user_data);
+  made.reliable_writer_qos().times.heartbeatPeriod = kReminds;
   return made;
 }
 

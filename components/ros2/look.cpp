@@ -197,7 +197,7 @@ Result<void> check_named(const Look& request, const Value::List& nodes) {
   for (const std::string& name : request.nodes) {
     if (std::ranges::find(names, name) != names.end()) continue;
     return fail(ErrorCode::NotFound, "no node " + segue::quote(name) +
-                                         segue::did_you_mean_or_list(name, names, "; there are") +
+                                         segue::did_you_mean_or_list(name, names, "there are") +
                                          (names.empty() ? "; no node was found at all" : ""));
   }
   return {};

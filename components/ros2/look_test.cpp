@@ -184,7 +184,13 @@ TEST_P(Looks, SayThatAnswersDoNotFitTogether) {
 TEST_P(Looks, SayThatANodeIsNotThere) {
   Look request = at("/nobody");
   request.wait = std::chrono::milliseconds(100);
-  EXPECT_THAT(segue::to_string(look(request, {}).error()), HasSubstr("no node '/nobody'"));
+  EXPECT_THAT(segue::to_string(look(request, {}).error()), HasSubstr("no node '/nobody'; no node was"));
+  NodePeer peer(peers());
+  lidar(at("/lidar"));
+  EXPECT_TRUE(eventually([&] {
+    const std::string why = segue::to_string(look(request, {}).error());
+    return why.find("no node '/nobody'; there are /lidar") != std::string::npos;
+  }));
 }
 
 TEST_P(Looks, ThatAreBriefEndWhenNoMoreNodesAreFound) {

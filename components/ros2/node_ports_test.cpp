@@ -377,6 +377,8 @@ TEST(NodePortProperties, AreRefusedWithAReason) {
       refused_as("publishes", one_port("out", Value::map({{"type", kText}, {"reliability", "often"}}))),
       HasSubstr("publishes.out: "));
   EXPECT_THAT(refused_as("ready", Value::list({"word"})), HasSubstr("publishes has no 'word'"));
+  EXPECT_THAT(refused_as("ready", Value::list({"nothing"})),
+              HasSubstr("publishes has no 'nothing'; it has words"));
 }
 
 }  // namespace

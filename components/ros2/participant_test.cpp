@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "participant.hpp"
+#include "fast_quality.hpp"
 #include "topics_test_support.hpp"
 
 #include <filesystem>
@@ -66,6 +67,13 @@ TEST(OneParticipant, IsSharedByAllWhoWantTheSame) {
   EXPECT_EQ(Participant::join(settings).value(), first);
   EXPECT_THAT(Participant::join({own_domain(), false}).error().message, HasSubstr("with other settings"));
   EXPECT_THAT(Participant::join({233, true}).error().message, HasSubstr("domain 233 does not exist"));
+}
+
+/// With the three seconds of Fast DDS, a node on Cyclone DDS would know only then what a latched topic has.
+TEST(OneParticipant, RemindsReadersThatHaveNotAcknowledgedSoon) {
+  const auto period = writer_quality({}, "").reliable_writer_qos().times.heartbeatPeriod;
+  EXPECT_LE(period.to_ns(), 200'000'000);
+  EXPECT_GT(period.to_ns(), 0);
 }
 
 }  // namespace

@@ -17,6 +17,10 @@ namespace {
 
 /// How often the robot is asked.
 constexpr std::chrono::seconds kLogPeriod{1};
+/// Between two lines, of the first ones of each look: what came in a second is told at once, and `ros2 topic
+/// echo` keeps only five samples that it has not printed.
+constexpr std::chrono::milliseconds kBetweenLines{5};
+constexpr std::size_t kMostSpaced = 100;
 /// Older lines would have left /rosout already.
 constexpr std::chrono::seconds kLineAge{10};
 
@@ -47,6 +51,14 @@ std::uint64_t number_of_line(const Value& line) {
              : static_cast<std::uint64_t>(number->as_int());
 }
 
+/// Less, where it is stopped.
+void pause_for(std::chrono::milliseconds time, const std::stop_token& stop) {
+  segue::Mutex mutex;
+  segue::StoppableConditionVariable never;
+  const segue::Lock lock(mutex);
+  never.wait_for(mutex, stop, time, [] { return false; });
+}
+
 }  // namespace
 
 RobotLog::RobotLog(std::shared_ptr<segue::control::RobotService> robot, std::shared_ptr<Rosout> rosout,
@@ -59,29 +71,27 @@ RobotLog::RobotLog(std::shared_ptr<segue::control::RobotService> robot, std::sha
           "segue-rosout", [this](const std::stop_token& stop) { run(stop); })) {}
 
 void RobotLog::run(const std::stop_token& stop) {
-  segue::Mutex mutex;
-  segue::StoppableConditionVariable never;
   while (!stop.stop_requested()) {
     if (rosout_->is_read())
       publish_all(stop);
     else
       since_ = std::chrono::system_clock::now() - kLineAge;
-    const segue::Lock lock(mutex);
-    never.wait_for(mutex, stop, kLogPeriod, [] { return false; });
+    pause_for(kLogPeriod, stop);
   }
 }
 
 void RobotLog::publish_all(const std::stop_token& stop) {
-  publish_events();
+  spaced_ = 0;
+  publish_events(stop);
   const Nodes nodes = nodes_();
   std::erase_if(last_, [&](const auto& one) { return !nodes.contains(one.first); });
   for (const auto& [task, node] : nodes) {
     if (stop.stop_requested()) return;
-    publish_lines(task, node);
+    publish_lines(task, node, stop);
   }
 }
 
-void RobotLog::publish_events() {
+void RobotLog::publish_events(const std::stop_token& stop) {
   const auto events = robot_->events(last_event_, segue::Duration(0));
   if (!events) return;
   for (const Value& event : events->as_list()) {
@@ -89,12 +99,13 @@ void RobotLog::publish_events() {
     const LogTime time = log_time(event.find("time")->as_string());
     if (time < since_) continue;
     const LogLevel level = *event.find("trouble") == Value(true) ? LogLevel::Warning : LogLevel::Info;
-    rosout_->publish({time, level, logger_of(own_node_),
-                      event.find("subject")->as_string() + ": " + event.find("message")->as_string()});
+    publish({time, level, logger_of(own_node_),
+             event.find("subject")->as_string() + ": " + event.find("message")->as_string()},
+            stop);
   }
 }
 
-void RobotLog::publish_lines(const std::string& task, const std::string& node) {
+void RobotLog::publish_lines(const std::string& task, const std::string& node, const std::stop_token& stop) {
   const auto report = robot_->task(task);
   const Value* log = report ? report->find("log") : nullptr;
   if (log == nullptr) return;
@@ -106,9 +117,15 @@ void RobotLog::publish_lines(const std::string& task, const std::string& node) {
     last.number = number_of_line(line);
     const LogTime time = log_time(line.find("time")->as_string());
     if (time < since_) continue;
-    rosout_->publish({time, log_level(line.find("level")->as_string()), logger_of(node),
-                      line.find("message")->as_string()});
+    publish({time, log_level(line.find("level")->as_string()), logger_of(node),
+             line.find("message")->as_string()},
+            stop);
   }
+}
+
+void RobotLog::publish(const Rosout::Line& line, const std::stop_token& stop) {
+  rosout_->publish(line);
+  if (++spaced_ <= kMostSpaced) pause_for(kBetweenLines, stop);
 }
 
 }  // namespace ros2

@@ -35,8 +35,9 @@ class RobotLog {
   };
   void run(const std::stop_token& stop);
   void publish_all(const std::stop_token& stop);
-  void publish_events();
-  void publish_lines(const std::string& task, const std::string& node);
+  void publish_events(const std::stop_token& stop);
+  void publish_lines(const std::string& task, const std::string& node, const std::stop_token& stop);
+  void publish(const Rosout::Line& line, const std::stop_token& stop);
 
   const std::shared_ptr<segue::control::RobotService> robot_;
   const std::shared_ptr<Rosout> rosout_;
@@ -45,6 +46,7 @@ class RobotLog {
   std::chrono::system_clock::time_point since_{};  ///< older lines are not published
   std::uint64_t last_event_ = 0;
   std::map<std::string, Position> last_;  ///< by task
+  std::size_t spaced_ = 0;                ///< lines of this look that others have waited for
   std::jthread thread_;
 };
 

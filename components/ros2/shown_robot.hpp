@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <segue/base/clock.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/control/robot_service.hpp>
 #include <segue/task_host/watches.hpp>
@@ -10,6 +11,7 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,12 +58,20 @@ class ShownRobot final : public segue::control::FakeRobotService {
     const segue::Lock lock(mutex_);
     return *tasks_[id].properties.find(name);
   }
-  void log(const std::string& message) {
+  void log(const std::string& message, int lines = 1) {
     const segue::Lock lock(mutex_);
-    lines_.push_back(Value::map({{"number", std::uint64_t{lines_.size() + 1}},
-                                 {"time", segue::iso_time(std::chrono::system_clock::now())},
-                                 {"level", "warning"},
-                                 {"message", message}}));
+    for (int i = 0; i < lines; ++i) {
+      lines_.push_back(Value::map({{"number", std::uint64_t{lines_.size() + 1}},
+                                   {"time", segue::iso_time(std::chrono::system_clock::now())},
+                                   {"level", "warning"},
+                                   {"message", message}}));
+    }
+    told_.reset();
+  }
+  /// When the lines that there are have been told first.
+  std::optional<segue::TimePoint> told() {
+    const segue::Lock lock(mutex_);
+    return told_;
   }
 
   Result<Value> status(const segue::Wait&) override {
@@ -77,6 +87,7 @@ class ShownRobot final : public segue::control::FakeRobotService {
     const segue::Lock lock(mutex_);
     const auto found = tasks_.find(id);
     if (found == tasks_.end()) return segue::fail(segue::ErrorCode::NotFound, "no such task runs");
+    if (!told_) told_ = segue::monotonic_now();
     const auto operation = [](const char* name, Value::List arguments) {
       return Value::map({{"name", name}, {"arguments", Value(std::move(arguments))}});
     };
@@ -174,6 +185,7 @@ class ShownRobot final : public segue::control::FakeRobotService {
   std::map<std::string, Task, std::less<>> tasks_ SEGUE_GUARDED_BY(mutex_);
   std::vector<segue::control::Sender> senders_ SEGUE_GUARDED_BY(mutex_);
   Value::List lines_ SEGUE_GUARDED_BY(mutex_);
+  std::optional<segue::TimePoint> told_ SEGUE_GUARDED_BY(mutex_);
   std::uint64_t count_ SEGUE_GUARDED_BY(mutex_) = 1;
   Watches watches_;  ///< destroyed first: its questions use all others
 };

@@ -81,7 +81,7 @@ Result<void> TopicPorts::check(const Wanted& wanted) {
   for (const std::string& port : wanted.ready) {
     if (wanted.publishes.contains(port)) continue;
     return fail(ErrorCode::InvalidArgument, "ready: publishes has no " + quote(port) +
-                                                segue::did_you_mean_or_list(port, names, "; it has"));
+                                                segue::did_you_mean_or_list(port, names, "it has"));
   }
   return {};
 }
