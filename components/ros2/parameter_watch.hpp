@@ -29,7 +29,7 @@ class ParameterWatch {
   /// `node`: "/robot/talker". Fails as Participant::make_reader().
   static segue::Result<std::unique_ptr<ParameterWatch>> make(const std::shared_ptr<Participant>& participant,
                                                              const std::string& node);
-  /// What they have been set to: a request as parameters_request() makes it.
+  /// The values that they have been set to: a request as parameters_request() makes it.
   void expect(const segue::type::Value& request);
   /// Those that have another value now, by name. What has not been expected does not count.
   [[nodiscard]] std::vector<Difference> differences() const;

@@ -39,7 +39,7 @@ export class Stage {
     this.pictures = pictures;
     this.folder = mkdtempSync(join(tmpdir(), 'segue-studio-'));
     // Tests that run at the same time do not see each other in ROS 2, as a rule, nor the pages of the manual, which have 70 to 89.
-    const ros2 = { ROS_DOMAIN_ID: String(90 + (process.pid % 140)), ROS_LOCALHOST_ONLY: '1' };
+    const ros2 = { ROS_DOMAIN_ID: String(20 + (process.pid % 50)), ROS_LOCALHOST_ONLY: '1' };
     this.environment = { ...process.env, ...ros2, XDG_RUNTIME_DIR: join(this.folder, 'run'), XDG_STATE_HOME: join(this.folder, 'state') };
     this.running = [];
     this.problems = [];
