@@ -25,9 +25,10 @@ struct Ros2SystemOptions {
 
 /// The nodes and topics of the running system, as the program segue-ros2 of the package of that name tells
 /// them; it alone loads Fast DDS. `request` names what is asked of nodes: {all: true}, {nodes: [NODE]},
-/// {types: true}, {containers: true}; {brief: true}: names only. Unavailable where the program is not installed; DeadlineExceeded, Cancelled and
-/// ResourceExhausted where it was ended since the wait was over or it told too much; else the error that it
-/// has. Ctrl-C, which ends this process, ends the program, too. Any thread.
+/// {types: true}, {containers: true}; {brief: true}: names only. Unavailable where the program is not
+/// installed; DeadlineExceeded, Cancelled and ResourceExhausted where it was ended since the wait was over or
+/// it told too much; else the error that it has. Ctrl-C, which ends this process, ends the program, too. Any
+/// thread.
 Result<type::Value> look_at_ros2(const Ros2SystemOptions& options, type::Value request,
                                  const Wait& wait = TimePoint::max());
 
