@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/file.hpp>
+#include <segue/base/printable.hpp>
 #include <segue/base/text.hpp>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -86,6 +87,21 @@ int list_nodes(const Ros2SystemOptions& options, const Context& context) {
   return kDone;
 }
 
+/// "/words: /listener gets nothing from /voice: reliability: best_effort is offered, reliable is requested"
+void print_mismatches(const Value& topic) {
+  const auto node = [](const Value& mismatch, std::string_view key) {
+    const std::string name = printable_at(mismatch, key);
+    return name.empty() ? "(not of a node)" : name;
+  };
+  for (const Value& one : list_at(topic, "mismatches")) {
+    std::vector<std::string> reasons;
+    for (const Value& reason : list_at(one, "reasons"))
+      reasons.push_back(printable(reason.as_string()));
+    print(fmt::format("{}: {} gets nothing from {}: {}\n", printable_at(topic, "topic"),
+                      node(one, "subscription"), node(one, "publisher"), fmt::join(reasons, "; ")));
+  }
+}
+
 int list_topics(const Ros2SystemOptions& options, const Context& context) {
   const auto seen = look_at_ros2(options, Value::map({}));
   if (!seen) return failed(context, seen.error());
@@ -98,6 +114,8 @@ int list_topics(const Ros2SystemOptions& options, const Context& context) {
     table.add({printable_at(topic, "topic"), joined_names(*topic.find("types")),
                joined_names(*topic.find("publishers")), joined_names(*topic.find("subscriptions"))});
   print(table.text());
+  for (const Value& topic : list_at(*seen, "topics"))
+    print_mismatches(topic);
   return kDone;
 }
 

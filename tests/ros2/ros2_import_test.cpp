@@ -51,6 +51,19 @@ TEST_F(RunningRos2, IsListed) {
   EXPECT_THAT(other.output, Not(HasSubstr("/lidar"))) << "it is in another domain";
 }
 
+TEST_F(RunningRos2, SaysBetweenWhichNodesNoSamplesTravel) {
+  const auto listener = ::ros2::testing::make_fast_peer(domain_of_test());
+  listener->subscribe({.topic = "/scan", .interface = "std_msgs/msg/String"});
+  listener->announce("listener");
+  std::string topics;
+  EXPECT_TRUE(eventually([&] {
+    topics = segue({"ros2", "topics", "--wait", "2s"}).output;
+    return topics.find(
+               "\n/scan: /listener gets nothing from /lidar: type: lidar_msgs/msg/Sweep is offered, "
+               "std_msgs/msg/String is requested") != std::string::npos;
+  })) << topics;
+}
+
 TEST_F(RunningRos2, IsKnownToCompletion) {
   EXPECT_TRUE(eventually([&] {
     return segue({"complete-names", "ros2-nodes"}).output.find("/lidar\n") != std::string::npos;
