@@ -77,7 +77,7 @@ Result<void> NodeProxy::join_checked() {
   if (!ports) return ports.error();
   timer_ = segue::Descriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
   if (!timer_.valid()) return segue::system_error("cannot make a timer", errno);
-  if (auto joined = join("segue_"); !joined)
+  if (auto joined = join("_segue_"); !joined)
     return joined;  // beside the node, which may be named as the task
   auto interfaces = library();
   auto opened = ports_.open(*this, id(), *name_, shared_participant(), interfaces, *ports);

@@ -167,7 +167,11 @@ TEST_F(StartedNodes, ThatIgnoreSignalsAreKilledWithAllThatTheyHaveStarted) {
   RunningTask task("ros2::Node");
   task.run(node("stubborn"));
   ASSERT_EQ(task.task().state(), TaskState::Running);
-  const pid_t child = static_cast<pid_t>(std::atoi(noted("planner.child").c_str()));
+  pid_t child = 0;
+  ASSERT_TRUE(eventually([&] {
+    child = static_cast<pid_t>(std::atoi(noted("planner.child").c_str()));
+    return child > 0;
+  })) << "it is seen before it has started what it starts";
   ASSERT_EQ(::kill(child, 0), 0);
   ASSERT_EQ(error_of(task.task().stop(soon())), "");
   EXPECT_TRUE(is_gone(pid_of("planner")));

@@ -101,12 +101,14 @@ TEST_F(RunningRos2, IsDescribedWithItsTypes) {
 TEST_F(RunningRos2, BecomesARobot) {
   int tries = 0;
   std::string folder;
+  std::string said;
   ASSERT_TRUE(eventually([&] {
     folder = "robot" + std::to_string(++tries);
     const auto done = segue({"import", "ros2", folder, "--name", "rover", "--timeout", "100s", "--running"});
+    said += done.output + done.errors;
     return done.status == 0 &&
            read(folder + "/controllers/nodes.yaml").find("filter.gain") != std::string::npos;
-  }));
+  })) << said;
   std::string network = read(folder + "/controllers/nodes.yaml");
   EXPECT_THAT(network, HasSubstr("#   /scan (lidar_msgs/msg/Sweep): /lidar -> (nobody)\n"));
   EXPECT_THAT(network, HasSubstr("# parameters that cannot be set: serial\n"));

@@ -44,7 +44,7 @@ async function legible(page, name, { shown = [], least = 1, all = false } = {}) 
   let last = null;
   const isGood = (found) =>
     found.boxes >= least && found.text >= leastText && found.faults.length === 0 && shown.every((id) => found.inView.includes(id)) && (!all || (found.seen.length === found.boxes && found.cut.length === 0));
-  for (const deadline = Date.now() + 20000; Date.now() < deadline && !(last && isGood(last)); await new Promise((resolve) => setTimeout(resolve, 100))) {
+  for (const deadline = Date.now() + 150000; Date.now() < deadline && !(last && isGood(last)); await new Promise((resolve) => setTimeout(resolve, 100))) {
     last = await page.evaluate(look).catch(() => null); // no graph yet
   }
   await page.screenshot({ path: join(pictures, 'legible_' + name.replace(/\W+/g, '_') + '.png') });

@@ -364,7 +364,7 @@ class Container {
   }
 
   segue::ros2::InterfaceLibrary library_;
-  const std::function<std::unique_ptr<Peer>()> make_peer_ = fast_peers_of_one_node(domain());
+  const std::function<std::unique_ptr<Peer>()> make_peer_ = fast_peers_of_one_process(domain());
   std::unique_ptr<Peer> load_ = make_peer_();
   std::unique_ptr<Peer> unload_ = make_peer_();
   std::unique_ptr<Peer> list_ = make_peer_();

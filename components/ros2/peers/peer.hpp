@@ -104,5 +104,7 @@ std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain);
 std::unique_ptr<Peer> make_cyclone_peer(std::uint32_t domain);
 /// Makes peers that share a participant, as the endpoints of a node do.
 std::function<std::unique_ptr<Peer>()> fast_peers_of_one_node(std::uint32_t domain);
+/// The same where peers leave and the participant goes on, as in a container.
+std::function<std::unique_ptr<Peer>()> fast_peers_of_one_process(std::uint32_t domain);
 
 }  // namespace ros2::testing

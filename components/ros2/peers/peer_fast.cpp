@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "peer.hpp"
 
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/ros2/dds_names.hpp>
 
@@ -11,6 +12,7 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/DataWriterListener.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
@@ -19,6 +21,7 @@
 #include <fastdds/dds/topic/TopicDataType.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -144,6 +147,32 @@ class PeerNumber {
   std::int32_t value_ = 10;  // beside that of the participant that is tested
 };
 
+/// The readers of clients that get responses.
+class Clients final : public edds::DataWriterListener {
+ public:
+  void on_publication_matched(edds::DataWriter*, const edds::PublicationMatchedStatus& status) override {
+    const ertps::GUID_t reader = ertps::iHandle2GUID(status.last_subscription_handle);
+    const segue::Lock lock(mutex_);
+    if (status.current_count_change > 0) {
+      readers_.insert(reader);
+    } else {
+      readers_.erase(reader);
+    }
+    changed_.notify_all();
+  }
+  /// As rmw_fastrtps does, which waits for less time than a loaded machine needs.
+  void wait_for(const ertps::GUID_t& reader) {
+    segue::Lock lock(mutex_);
+    changed_.wait_until(mutex_, std::chrono::steady_clock::now() + std::chrono::seconds(5),
+                        [&]() SEGUE_REQUIRES(mutex_) { return readers_.contains(reader); });
+  }
+
+ private:
+  segue::Mutex mutex_;
+  segue::ConditionVariable changed_;
+  std::set<ertps::GUID_t> readers_ SEGUE_GUARDED_BY(mutex_);
+};
+
 /// A participant with what all its peers share.
 struct FastParticipant {
   explicit FastParticipant(std::uint32_t domain) {
@@ -185,7 +214,9 @@ struct FastParticipant {
   FastParticipant& operator=(const FastParticipant&) = delete;
 
   const PeerNumber number;
+  bool outlives_peers = false;
   Discovery discovery;
+  Clients clients;  ///< of all its services
   edds::DomainParticipant* participant = nullptr;
   edds::Publisher* publisher = nullptr;
   edds::Subscriber* subscriber = nullptr;
@@ -218,8 +249,9 @@ class FastPeer final : public Peer {
     latched.depth = 0;
     entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
   }
-  /// Others of the participant go on.
+  /// Where the participant goes on, its endpoints leave; else they leave with it.
   ~FastPeer() override {
+    if (!shared_->outlives_peers) return;
     stop_serving();
     for (edds::DataWriter* writer : {out_, asks_})
       if (writer != nullptr) publisher_->delete_datawriter(writer);
@@ -272,7 +304,7 @@ class FastPeer final : public Peer {
     responses_ = publisher_->create_datawriter(
         topic(segue::ros2::dds_response_name(service).value(),
               segue::ros2::dds_type_name(interface + "_Response")),
-        quality_of<edds::DataWriterQos>({}, hash_data(hashes.response, hashes.whole)));
+        quality_of<edds::DataWriterQos>({}, hash_data(hashes.response, hashes.whole)), &shared_->clients);
   }
   void stop_serving() override {
     if (requests_ != nullptr) subscriber_->delete_datareader(requests_);
@@ -297,6 +329,7 @@ class FastPeer final : public Peer {
     std::memcpy(client.guidPrefix.value, request.client.data(), ertps::GuidPrefix_t::size);
     std::memcpy(client.entityId.value, request.client.data() + ertps::GuidPrefix_t::size,
                 ertps::EntityId_t::size);
+    shared_->clients.wait_for(client);
     ertps::SampleIdentity identity;
     identity.writer_guid(client);
     identity.sequence_number(ertps::SequenceNumber_t(static_cast<std::uint64_t>(request.number)));
@@ -420,6 +453,12 @@ std::function<std::unique_ptr<Peer>()> fast_peers_of_one_node(std::uint32_t doma
   return [participant = std::make_shared<FastParticipant>(domain)] {
     return std::make_unique<FastPeer>(participant);
   };
+}
+
+std::function<std::unique_ptr<Peer>()> fast_peers_of_one_process(std::uint32_t domain) {
+  auto participant = std::make_shared<FastParticipant>(domain);
+  participant->outlives_peers = true;
+  return [participant = std::move(participant)] { return std::make_unique<FastPeer>(participant); };
 }
 
 }  // namespace ros2::testing

@@ -42,7 +42,7 @@ test('a node of Segue is known by its process, and its task by its name', () => 
   const behind = (name: string, pid: number, program = 'segue-deployment') => taskBehind(node(name, { process: process(pid, program) }), seen, status);
   expect(behind('/front_cam', 7)).toBe('front.cam');
   expect(behind('/robot/speaker', 7)).toBe('voice');
-  expect(behind('/segue_lidar', 7)).toBe('lidar');
+  expect(behind('/_segue_lidar', 7)).toBe('lidar');
   expect(behind('/robot/arm_left', 8)).toBe('arm.left');
   expect(behind('/front_cam', 99)).toBe('');
   expect(behind('/arm_left', 7)).toBe(''); // no task of that process shows others

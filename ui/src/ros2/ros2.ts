@@ -116,7 +116,7 @@ export function taskBehind(node: Ros2Node, seen: Ros2Seen, { tasks }: Tasks): st
   const near = Object.values(tasks).filter((task) => task.pid === node.process?.pid);
   const own = near.find(({ id, component }) => {
     const name = rooted(seen.tasks[id]?.node || plain(id));
-    return component.startsWith('ros2::') && (name === node.name || (proxies.includes(component) && '/segue_' + plain(id) === node.name));
+    return component.startsWith('ros2::') && (name === node.name || (proxies.includes(component) && '/_segue_' + plain(id) === node.name));
   });
   if (own) return own.id;
   const isExposed = near.some(({ component }) => component === 'ros2::Exposure');
