@@ -49,7 +49,8 @@ Result<Value> mission_of(control::RobotService& robot) {
   const std::string who = printable_at(*status, "commanded_by");
   return fail(ErrorCode::NotFound,
               who.empty() ? std::string("no mission commands the robot; `segue mission run FILE` starts one")
-                          : "the robot is commanded by " + who + ", which is not a mission");
+                          : "the robot is commanded by " + who +
+                                ", which has not reported a mission; if it has just begun, try again");
 }
 
 Value control_of(const Value& doing) {
