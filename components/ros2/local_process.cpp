@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 namespace ros2 {
 namespace {
@@ -55,6 +56,23 @@ std::string path_of(pid_t process, const char* file) {
   return "/proc/" + std::to_string(process) + "/" + file;
 }
 
+/// Its parent, and when it began (ticks since the start of the system); nothing where it has ended.
+std::optional<std::pair<pid_t, std::uint64_t>> origin_of(pid_t process) {
+  constexpr std::size_t kParent =
+      1;  // behind the name in brackets, which may have any letters (proc_pid_stat(5))
+  constexpr std::size_t kBegin = 19;
+  const auto text = segue::read_file(path_of(process, "stat"));
+  const std::size_t name_end = text ? text->rfind(") ") : std::string::npos;
+  if (name_end == std::string::npos) return {};
+  const auto words = segue::split(std::string_view(*text).substr(name_end + 2), ' ');
+  if (words.size() <= kBegin) return {};
+  pid_t parent = 0;
+  std::uint64_t begin = 0;
+  std::from_chars(words[kParent].data(), words[kParent].data() + words[kParent].size(), parent);
+  std::from_chars(words[kBegin].data(), words[kBegin].data() + words[kBegin].size(), begin);
+  return std::pair(parent, begin);
+}
+
 /// Of a file in which each word ends in NUL.
 std::vector<std::string> words_in(pid_t process, const char* file) {
   const auto text = segue::read_file(path_of(process, file));
@@ -67,10 +85,25 @@ std::vector<std::string> words_in(pid_t process, const char* file) {
 
 }  // namespace
 
+std::optional<pid_t> first_of(const std::vector<pid_t>& processes) {
+  std::optional<pid_t> first;
+  std::uint64_t earliest = 0;
+  for (const pid_t process : processes) {
+    const auto origin = origin_of(process);
+    if (!origin || std::ranges::find(processes, origin->first) != processes.end()) continue;
+    if (!first || origin->second < earliest) {
+      first = process;
+      earliest = origin->second;
+    }
+  }
+  return first;
+}
+
 std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
   if (!is_own_address(address.host)) return {};
   const auto sockets = sockets_at(address.port);
   if (sockets.empty()) return {};
+  std::vector<pid_t> holders;
   std::error_code problem;
   for (fs::directory_iterator entry("/proc", problem), end; !problem && entry != end;
        entry.increment(problem)) {
@@ -78,9 +111,9 @@ std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
     pid_t process = 0;
     const auto [rest, error] = std::from_chars(name.data(), name.data() + name.size(), process);
     if (error != std::errc() || rest != name.data() + name.size()) continue;
-    if (has_one_of(entry->path(), sockets)) return process;
+    if (has_one_of(entry->path(), sockets)) holders.push_back(process);
   }
-  return {};
+  return first_of(holders);
 }
 
 std::vector<std::string> command_of(pid_t process) {

@@ -13,6 +13,10 @@
 
 namespace ros2 {
 
+/// The one of these processes from which the others have their sockets: they are inherited by children.
+/// Numbers of processes say nothing of that, since they begin anew. Nothing where all have ended.
+std::optional<pid_t> first_of(const std::vector<pid_t>& processes);
+
 /// The process of this computer that receives there. Nothing where the address is another computer's, or the
 /// process is another user's or in another network namespace. Neither Fast DDS nor Cyclone DDS tells others
 /// the number of its process in all versions, but each participant has a port of its own.

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "look.hpp"
+#include "local_process.hpp"
 #include "peers/node_peer.hpp"
 #include "peers/typed_peer.hpp"
 #include "topics_test_support.hpp"
 
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
 
 namespace ros2::testing {
 namespace {
@@ -209,6 +213,21 @@ TEST_P(Looks, EndWhenTheyAreStopped) {
   std::stop_source stop;
   stop.request_stop();
   EXPECT_EQ(look(at("/nobody"), stop.get_token()).error().code, segue::ErrorCode::Cancelled);
+}
+
+/// Sockets of DDS are inherited by whatever a node starts, such as by the commands that these tests run.
+TEST(LocalProcess, OfASocketIsTheOneFromWhichChildrenHaveIt) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::pause();
+    ::_exit(0);
+  }
+  EXPECT_EQ(first_of({child, ::getpid()}), ::getpid());
+  EXPECT_EQ(first_of({::getpid(), child}), ::getpid());
+  EXPECT_EQ(first_of({child}), child);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_EQ(first_of({child}), std::nullopt);
 }
 
 INSTANTIATE_TEST_SUITE_P(, Looks, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
