@@ -177,9 +177,13 @@ void add_ports(const Value& node, ValueMap& properties) {
   }
 }
 
+/// As a program of its own or in its container.
+bool can_bring_up(const Value& node) {
+  return can_start(node) || can_load(node);
+}
+
 std::string task_text(const Value& node, const std::string& id, bool starts, bool with_ports = false) {
-  const bool is_loaded = starts && can_load(node);
-  const bool is_started = is_loaded || (starts && can_start(node));
+  const bool is_started = starts && can_bring_up(node);
   std::vector<std::string> left_out;
   ValueMap properties;
   properties.set("name", text_at(node, "name"));
@@ -187,7 +191,7 @@ std::string task_text(const Value& node, const std::string& id, bool starts, boo
   if (Value parameters = parameters_of(node, is_started, left_out); !parameters.as_map().empty())
     properties.set("parameters", std::move(parameters));
   std::string notes;
-  if (is_loaded) {
+  if (is_started && can_load(node)) {
     properties.set("process", loading_process(node));
   } else if (is_started) {
     properties.set("process", process_of(*node.find("process")));
@@ -195,8 +199,10 @@ std::string task_text(const Value& node, const std::string& id, bool starts, boo
   } else if (starts) {
     notes += comment(note_on_process(node));
   }
-  for (const std::string& note : notes_on_component(node))
-    if (starts) notes += comment(note);
+  if (starts) {
+    for (const std::string& note : notes_on_component(node))
+      notes += comment(note);
+  }
   if (!left_out.empty()) notes += comment("parameters that cannot be set: " + listed(left_out));
   for (const Value& problem : node.find("problems")->as_list())
     notes += comment(problem.as_string());
@@ -240,7 +246,7 @@ Ros2Robot ros2_robot(const Value& seen, const std::string& name, bool starts) {
     if (is_hidden(node_name) || is_own(node) || (starts && starts_with_components(node))) continue;
     tasks += task_text(node, task_id(node_name, ids), starts);
     robot.nodes.push_back(node_name);
-    if (starts && (can_start(node) || can_load(node))) robot.started.push_back(node_name);
+    if (starts && can_bring_up(node)) robot.started.push_back(node_name);
   }
   const Value all(Value::List(ids.begin(), ids.end()));
   robot.files.push_back(
@@ -261,8 +267,7 @@ std::string ros2_tasks(const std::vector<Value>& nodes) {
   std::string text;
   for (const Value& node : nodes)
     text += task_text(node, task_id(text_at(node, "name"), ids), true, true);
-  const bool starts =
-      std::ranges::any_of(nodes, [](const Value& node) { return can_start(node) || can_load(node); });
+  const bool starts = std::ranges::any_of(nodes, can_bring_up);
   return (starts ? "# The robot starts those with a `process`: end them before, or leave that out.\n" : "") +
          ("tasks:\n" + text);
 }

@@ -43,15 +43,14 @@ struct ReadableMessage {
   std::string_view refused{};      ///< why a part of it was; empty: nothing was
 };
 
-/// - Serialized keys of discovery are marked as data, which Fast DDS reads whole: Cyclone DDS says in this
-/// way
-///   that an endpoint or a participant has left (9.6.3.8: a serialized key, a list of parameters), and of a
-///   key Fast DDS reads 16 bytes at most.
-/// - Submessages that would make it read or write where it must not, use gigabytes, end its process or work
-/// for
-///   minutes are refused: data that begins behind its end, fragments that are not there, samples larger than
-///   kLargestSample, gaps longer than kLongestGap, more samples than kMostSamples, numbers that overflow.
-///   They become submessages of a vendor, which it skips.
+/// The message for Fast DDS. Serialized keys of discovery are marked as data, which it reads whole: Cyclone
+/// DDS says in this way that an endpoint or a participant has left (9.6.3.8: a serialized key, a list of
+/// parameters), and of a key Fast DDS reads 16 bytes at most.
+///
+/// Refused are submessages that would make it read or write where it must not, use gigabytes, end its process
+/// or work for minutes: data that begins behind its end, fragments that are not there, samples larger than
+/// kLargestSample, gaps longer than kLongestGap, more samples than kMostSamples, numbers that overflow. They
+/// become submessages of a vendor, which it skips.
 ReadableMessage readable_by_fast_dds(std::span<const std::byte> message);
 
 }  // namespace segue::ros2
