@@ -14,24 +14,6 @@ Eigen::Vector3d shortened(const Eigen::Vector3d& vector, double most) {
 
 }  // namespace
 
-bool is_usable(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 1e-6;
-}
-
-Pose compose(const Pose& outer, const Pose& inner) {
-  Pose result;
-  result.position = outer.position + outer.orientation * inner.position;
-  result.orientation = (outer.orientation * inner.orientation).normalized();
-  return result;
-}
-
-Pose inverse(const Pose& pose) {
-  Pose result;
-  result.orientation = pose.orientation.conjugate();
-  result.position = -(result.orientation * pose.position);
-  return result;
-}
-
 PoseError error_between(const Pose& from, const Pose& to) {
   const Eigen::Quaterniond turn = to.orientation * from.orientation.conjugate();
   // Both signs of a quaternion are the same rotation; the positive real part is the short way round.

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../messages/geometry.hpp"
+#include "../messages/poses.hpp"
 
 /// Computes velocities that lead to a pose. Real-time safe; any thread.
 namespace manipulation {
 
 using messages::Pose;
 using messages::Twist;
-
-/// Whether the pose consists of finite numbers and has an orientation, of whatever length.
-[[nodiscard]] bool is_usable(const Pose& pose);
-
-/// `inner`, given in the frame of `outer`, in the frame in which `outer` is given.
-[[nodiscard]] Pose compose(const Pose& outer, const Pose& inner);
-[[nodiscard]] Pose inverse(const Pose& pose);
 
 /// The way from `from` to `to`: a translation, and a rotation as axis times angle (at most pi), both in the
 /// frame in which the poses are given.

@@ -11,10 +11,7 @@ std::optional<Pose> TimedPoses::at(double time) const {
   if (entries_.empty() || !(time >= entries_.oldest().time)) return std::nullopt;
   if (time >= entries_.newest().time) return entries_.newest().pose;
   const auto [a, b, share] = entries_.around(time);
-  Pose pose;
-  pose.position = a.pose.position + share * (b.pose.position - a.pose.position);
-  pose.orientation = a.pose.orientation.slerp(share, b.pose.orientation);
-  return pose;
+  return messages::interpolated(a.pose, b.pose, share);
 }
 
 }  // namespace manipulation

@@ -1,40 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "conversions.hpp"
 
+#include "quantities.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace ros2_messages {
 namespace {
 
-constexpr double kNanoseconds = 1e9;
-
-/// Times that ROS 2 cannot tell are the nearest that it can.
-builtin_interfaces::Time stamp(double time) {
-  constexpr double kLast = std::numeric_limits<std::int32_t>::max();
-  const double kept = std::isfinite(time) ? std::clamp(time, 0.0, kLast) : 0.0;
-  const double seconds = std::floor(kept);
-  const double rest = std::min(std::round((kept - seconds) * kNanoseconds), kNanoseconds - 1);
-  return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(rest)};
-}
-
-double seconds(const builtin_interfaces::Time& time) {
-  return time.sec + time.nanosec / kNanoseconds;
-}
-
 void set(std_msgs::Header& header, double time, const std::string& frame) {
   header.stamp = stamp(time);
   header.frame_id = frame;
-}
-
-geometry_msgs::Quaternion about_z(double angle) {
-  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
-}
-
-/// The angle about z (REP-103).
-double yaw(const geometry_msgs::Quaternion& q) {
-  return std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
 }
 
 geometry_msgs::Pose pose_in_plane(const messages::Pose2D& from) {
@@ -42,15 +19,7 @@ geometry_msgs::Pose pose_in_plane(const messages::Pose2D& from) {
 }
 
 messages::Pose2D pose_in_plane(const geometry_msgs::Pose& from) {
-  return {from.position.x, from.position.y, yaw(from.orientation)};
-}
-
-geometry_msgs::Vector3 vector(const Eigen::Vector3d& from) {
-  return {from.x(), from.y(), from.z()};
-}
-
-Eigen::Vector3d vector(const geometry_msgs::Vector3& from) {
-  return {from.x, from.y, from.z};
+  return {from.position.x, from.position.y, yaw(rotation(from.orientation))};
 }
 
 }  // namespace
@@ -69,8 +38,7 @@ Problem convert(const messages::LaserScan& from, sensor_msgs::LaserScan& to, con
 
 Problem convert(const messages::Imu& from, sensor_msgs::Imu& to, const Names& names) {
   set(to.header, from.time, names.frame);
-  const auto& q = from.orientation;
-  to.orientation = {q.x(), q.y(), q.z(), q.w()};
+  to.orientation = rotation(from.orientation);
   to.angular_velocity = vector(from.angular_velocity);
   to.linear_acceleration = vector(from.linear_acceleration);
   return nullptr;
@@ -116,6 +84,15 @@ Problem convert(const messages::Odometry& from, tf2_msgs::TFMessage& to, const N
   return nullptr;
 }
 
+Problem convert(const messages::TimedPose& from, tf2_msgs::TFMessage& to, const Names& names) {
+  to.transforms.resize(1);
+  auto& transform = to.transforms.front();
+  set(transform.header, from.time, names.frame);
+  transform.child_frame_id = names.child;
+  transform.transform = {vector(from.pose.position), rotation(from.pose.orientation)};
+  return nullptr;
+}
+
 Problem convert(const messages::OccupancyGrid& from, nav_msgs::OccupancyGrid& to, const Names& names) {
   set(to.header, from.time, names.frame);
   to.info.map_load_time = to.header.stamp;
@@ -156,8 +133,7 @@ Problem convert(const sensor_msgs::LaserScan& from, messages::LaserScan& to, con
 
 Problem convert(const sensor_msgs::Imu& from, messages::Imu& to, const Names&) {
   to.time = seconds(from.header.stamp);
-  const auto& q = from.orientation;
-  to.orientation = Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+  to.orientation = rotation(from.orientation);
   to.angular_velocity = vector(from.angular_velocity);
   to.linear_acceleration = vector(from.linear_acceleration);
   return nullptr;
@@ -215,7 +191,7 @@ Problem convert(const nav_msgs::OccupancyGrid& from, messages::OccupancyGrid& to
   to.cells = from.data;
   if (from.data.size() != std::size_t{to.width} * to.height)
     return "the map has another number of cells than it says";
-  return std::abs(yaw(from.info.origin.orientation)) < kStraight
+  return std::abs(yaw(rotation(from.info.origin.orientation))) < kStraight
              ? nullptr
              : "the map is turned, which is not supported";
 }

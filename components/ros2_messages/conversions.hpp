@@ -43,6 +43,7 @@ Problem convert(const messages::JointState& from, sensor_msgs::JointState& to, c
 Problem convert(const messages::Odometry& from, nav_msgs::Odometry& to, const Names& names);
 /// The transform from the frame to the child, for /tf.
 Problem convert(const messages::Odometry& from, tf2_msgs::TFMessage& to, const Names& names);
+Problem convert(const messages::TimedPose& from, tf2_msgs::TFMessage& to, const Names& names);
 Problem convert(const messages::OccupancyGrid& from, nav_msgs::OccupancyGrid& to, const Names& names);
 Problem convert(const messages::Path& from, nav_msgs::Path& to, const Names& names);
 Problem convert(const double& time, rosgraph_msgs::Clock& to, const Names& names);

@@ -3,8 +3,10 @@
 // The updates of the components allocate nothing.
 #include "../test_network.hpp"
 #include "conversions.hpp"
+#include "transform_test_support.hpp"
 
 #include <segue/task/component.hpp>
+#include <segue/task/realtime_log.hpp>
 #include <support/allocation_trap.hpp>
 
 #include <gtest/gtest.h>
@@ -56,6 +58,51 @@ TEST(Ros2MessagesRealtime, UpdatesDoNotAllocate) {
     network.run_ready();
     segue::testing::trapped = false;
   }
+  EXPECT_EQ(segue::testing::caught, 0);
+}
+
+TEST(Ros2MessagesRealtime, UpdatesWithTransformsDoNotAllocate) {
+  const segue::task::RealtimeLogDrain drain;
+  struct Ends : segue::task::Component {
+    segue::task::OutputPort<tf2_msgs::TFMessage> moving{*this, "moving"};
+    segue::task::OutputPort<tf2_msgs::TFMessage> fixed{*this, "fixed"};
+    segue::task::InputPort<messages::TimedPose> pose{*this, "pose"};
+    segue::task::InputPort<tf2_msgs::TFMessage> told{*this, "told"};
+  } ends;
+  TestNetwork network;
+  network.add("pose", "from_ros2::Transform", Value::map({{"frame", kLong}, {"child", kLong + "base"}}));
+  network.add("all", "from_ros2::StaticTransforms");
+  network.connect(ends.moving, network.input("pose", "in"));
+  network.connect(ends.fixed, network.input("all", "in"));
+  network.connect(network.output("all", "out"), network.input("pose", "static"));
+  network.connect(network.output("all", "out"), ends.told);
+  network.connect(network.output("pose", "out"), ends.pose);
+  network.start("all");
+  network.start("pose");
+  const auto update = [&] {
+    segue::testing::trapped = true;
+    network.run_ready();
+    segue::testing::trapped = false;
+  };
+  for (int i = 0; i < 50; ++i) {
+    tf2_msgs::TFMessage moving;
+    for (const std::string& child : {std::string("odom"), kLong + std::to_string(i)})
+      moving.transforms.push_back(made_transform(kLong, child, i, i));
+    moving.transforms.push_back(made_transform("", "broken", i, i));  // which is logged
+    ends.moving.write(moving);
+    ends.fixed.write({{made_transform("odom", kLong + "base", 0, 1),
+                       made_transform("base", kLong + std::to_string(i), 0, 1)}});
+    update();
+    tf2_msgs::TFMessage told;
+    ASSERT_EQ(ends.told.read(told), segue::task::ReadStatus::NewData);
+    ASSERT_EQ(told.transforms.size(), static_cast<std::size_t>(i) + 2);
+    messages::TimedPose pose;
+    ASSERT_EQ(ends.pose.read(pose), segue::task::ReadStatus::NewData);
+    ASSERT_EQ(pose.pose.position.x(), i + 1);
+  }
+  network.advance(std::chrono::seconds(5));
+  update();
+  EXPECT_EQ(network.task("pose").state_name(), "no_transform");
   EXPECT_EQ(segue::testing::caught, 0);
 }
 

@@ -46,6 +46,11 @@ class Transform final : public MovingConverter<messages::Odometry, tf2_msgs::TFM
   Transform() : MovingConverter("Odometry as a transform, tf2_msgs/msg/TFMessage, for /tf") {}
 };
 
+class PoseTransform final : public MovingConverter<messages::TimedPose, tf2_msgs::TFMessage> {
+ public:
+  PoseTransform() : MovingConverter("A pose as a transform, tf2_msgs/msg/TFMessage, for /tf") {}
+};
+
 class JointState final : public JointConverter<messages::JointState, sensor_msgs::JointState> {
  public:
   JointState() : JointConverter("Joints as sensor_msgs/msg/JointState") {}
@@ -65,5 +70,6 @@ SEGUE_COMPONENT(to_ros2::OccupancyGrid)
 SEGUE_COMPONENT(to_ros2::Path)
 SEGUE_COMPONENT(to_ros2::Odometry)
 SEGUE_COMPONENT(to_ros2::Transform)
+SEGUE_COMPONENT(to_ros2::PoseTransform)
 SEGUE_COMPONENT(to_ros2::JointState)
 SEGUE_COMPONENT(to_ros2::Clock)

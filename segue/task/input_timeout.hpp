@@ -36,6 +36,8 @@ class InputTimeout {
   /// How long the input has gone without a sample; zero in the update that has read one. To be called like
   /// passed().
   [[nodiscard]] Duration age() const noexcept;
+  /// As the property says; zero: there is none. Real-time safe.
+  [[nodiscard]] Duration limit() const noexcept;
   [[nodiscard]] const InputPortBase& input() const { return input_; }
 
   /// For the task: counting begins.
@@ -46,9 +48,6 @@ class InputTimeout {
   [[nodiscard]] TimePoint due() const noexcept;
 
  private:
-  /// Zero: there is none.
-  [[nodiscard]] Duration limit() const noexcept;
-
   InputPortBase& input_;
   Property<std::chrono::milliseconds> limit_;
   TimePoint since_{};          ///< the start or the end of the last update that read a sample
