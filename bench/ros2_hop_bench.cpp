@@ -64,7 +64,7 @@ constexpr std::array kLoads = {Load{16, 2000, 1ms}, Load{1'000, 2000, 1ms}, Load
 
 /// The other program and this one, on one processor or each on its own.
 struct Case {
-  std::string writer;  ///< raw, segue
+  std::string writer;  ///< raw, segue, segue-group
   std::string reader;  ///< listener, thread, segue
 };
 
@@ -82,12 +82,13 @@ void required(const segue::Result<void>& result) {
 
 /// A task of components/ros2.
 std::unique_ptr<segue::task::Task> ros2_task(const std::string& component, std::uint32_t domain,
-                                             const std::string& interfaces) {
+                                             const std::string& interfaces,
+                                             const segue::Activity* activity = nullptr) {
   ::setenv("SEGUE_LIBRARY_PATH", SEGUE_BENCH_LIBRARIES, 1);
   static segue::task_host::LibrarySet libraries;
   required(libraries.load("segue_components_ros2"));
-  auto task = required(
-      segue::task::Task::create(component, required(segue::task::find_component(component)->create())));
+  auto task = required(segue::task::Task::create(
+      component, required(segue::task::find_component(component)->create()), activity));
   ValueMap values;
   values.append("topic", "/stamped");
   values.append("type", "bench_msgs/msg/Stamped");
@@ -117,20 +118,39 @@ class Sink final : public segue::task::Component {
   const std::function<void(std::uint64_t)> arrived_;
 };
 
-struct Source final : segue::task::Component {
+/// Writes a message at each of its updates, so many.
+class Source final : public segue::task::Component {
+ public:
+  explicit Source(const Load& load) : load_(load) {
+    Stamped message;
+    message.payload.resize(load.bytes);
+    out.prime(message);
+  }
   segue::task::OutputPort<Stamped> out{*this, "out"};
+  [[nodiscard]] bool is_done() const {
+    return sent_.load(std::memory_order_relaxed) >= kWarmUp + load_.count;
+  }
+
+ protected:
+  void on_update() override {
+    if (is_done()) return;
+    sent_.fetch_add(1, std::memory_order_relaxed);
+    auto loan = out.loan();
+    if (!loan) return;
+    loan->payload.resize(load_.bytes);
+    loan->stamp = stamp_now();
+    loan.publish();
+  }
+
+ private:
+  const Load load_;
+  std::atomic<std::size_t> sent_{0};  ///< relaxed: a count
 };
 
-/// Calls `write` for each message when there is a reader.
-void send(const Load& load, const std::function<bool()>& has_reader, const std::function<void()>& write) {
+void wait_for(const std::function<bool()>& has_reader) {
   while (!has_reader())
     std::this_thread::sleep_for(1ms);
   std::this_thread::sleep_for(500ms);  // the reader's side, too
-  for (std::size_t i = 0; i < kWarmUp + load.count; ++i) {
-    write();
-    std::this_thread::sleep_for(load.period);
-  }
-  std::this_thread::sleep_for(200ms);
 }
 
 void write_raw(std::uint32_t domain, const Load& load) {
@@ -140,34 +160,36 @@ void write_raw(std::uint32_t domain, const Load& load) {
   message[1] = std::byte{1};
   const auto bytes = static_cast<std::uint32_t>(load.bytes);
   std::memcpy(&message[kHeader + 8], &bytes, sizeof bytes);
-  send(
-      load, [&] { return writer.readers() > 0; },
-      [&] {
-        const std::uint64_t stamp = stamp_now();
-        std::memcpy(&message[kHeader], &stamp, sizeof stamp);
-        writer.write(message);
-      });
+  wait_for([&] { return writer.readers() > 0; });
+  for (std::size_t i = 0; i < kWarmUp + load.count; ++i) {
+    const std::uint64_t stamp = stamp_now();
+    std::memcpy(&message[kHeader], &stamp, sizeof stamp);
+    writer.write(message);
+    std::this_thread::sleep_for(load.period);
+  }
+  std::this_thread::sleep_for(200ms);
 }
 
-void write_by_segue(std::uint32_t domain, const Load& load, const std::string& interfaces) {
-  const auto publisher = ros2_task("ros2::Publisher", domain, interfaces);
-  Source source;
+/// With a thread for each task, or both in a thread group.
+void write_by_segue(std::uint32_t domain, const Load& load, const std::string& interfaces, bool in_group) {
+  segue::Activity paced = segue::periodic(load.period);
+  segue::Activity driven;
+  if (in_group) paced.thread = driven.thread = "writers";
+  auto made = std::make_unique<Source>(load);
+  Source& source = *made;
+  const auto writer = required(segue::task::Task::create("source", std::move(made), &paced));
+  const auto publisher = ros2_task("ros2::Publisher", domain, interfaces, &driven);
   required(segue::sample_link::connect(source.out, *publisher->component().find_input("in"), kBuffer));
+  required(writer->configure(kPatience));
   required(publisher->start(kPatience));
-  Stamped message;
-  message.payload.resize(load.bytes);
-  source.out.prime(message);
-  const auto has_reader = [&] {
+  wait_for([&] {
     const auto counts = required(publisher->call("statistics", {}, kPatience));
     return counts.find("matched")->as_int() > 0;
-  };
-  send(load, has_reader, [&] {
-    auto loan = source.out.loan();
-    if (!loan) return;
-    loan->payload.resize(load.bytes);
-    loan->stamp = stamp_now();
-    loan.publish();
   });
+  required(writer->start(kPatience));
+  while (!source.is_done())
+    std::this_thread::sleep_for(20ms);
+  std::this_thread::sleep_for(200ms);
 }
 
 /// Prints the durations in nanoseconds, one a line.
@@ -236,7 +258,7 @@ int be(const std::vector<std::string>& words) {
     if (words.at(1) == "raw")
       write_raw(domain, load);
     else
-      write_by_segue(domain, load, words.at(4));
+      write_by_segue(domain, load, words.at(4), words.at(1) == "segue-group");
   } else if (words.at(1) == "segue") {
     read_by_segue(domain, load, words.at(4));
   } else {
@@ -284,11 +306,12 @@ std::string ratios(std::vector<double> each) {
 }
 
 void compare(std::size_t rounds, const std::string& interfaces, const Place& place, std::size_t load) {
-  const std::array<std::pair<const char*, Case>, 4> cases{
+  const std::array<std::pair<const char*, Case>, 5> cases{
       {{"Fast DDS alone, read by a thread (floor)", {"raw", "thread"}},
        {"Fast DDS alone, read by a listener", {"raw", "listener"}},
        {"ros2::Subscription -> task", {"raw", "segue"}},
-       {"task -> ros2::Publisher", {"segue", "thread"}}}};
+       {"task -> ros2::Publisher", {"segue", "thread"}},
+       {"task -> ros2::Publisher, of one thread group", {"segue-group", "thread"}}}};
   std::array<std::vector<Duration>, cases.size()> all;
   std::array<std::vector<double>, cases.size()> to_floor;
   for (std::size_t round = 0; round < rounds; ++round) {

@@ -8,8 +8,8 @@
 #include <segue/task/component.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
-#include <iterator>
 #include <set>
 #include <string>
 #include <utility>
@@ -28,10 +28,11 @@ SEGUE_TYPE(StaticTransform, frame, child, xyz, rpy)
 
 namespace {
 
-geometry_msgs::TransformStamped as_message(const StaticTransform& from) {
+geometry_msgs::TransformStamped as_message(const StaticTransform& from, double time) {
   using Eigen::AngleAxisd;
   using Eigen::Vector3d;
   geometry_msgs::TransformStamped to;
+  to.header.stamp = stamp(time);
   to.header.frame_id = from.frame;
   to.child_frame_id = from.child;
   to.transform.translation = vector(from.xyz);
@@ -65,7 +66,7 @@ namespace to_ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Tells them once, at its start.
+/// Tells them once, at its start, with the time of day, as ROS 2's static_transform_publisher does.
 class StaticTransforms final : public Component {
  public:
   StaticTransforms()
@@ -74,8 +75,11 @@ class StaticTransforms final : public Component {
  protected:
   segue::Result<void> on_configure() override { return ros2_messages::check(*transforms_); }
   segue::Result<void> on_start() override {
+    const double time =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
     tf2_msgs::TFMessage message;
-    std::ranges::transform(*transforms_, std::back_inserter(message.transforms), ros2_messages::as_message);
+    for (const ros2_messages::StaticTransform& transform : *transforms_)
+      message.transforms.push_back(ros2_messages::as_message(transform, time));
     out_.write(message);
     return {};
   }

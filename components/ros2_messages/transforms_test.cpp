@@ -207,6 +207,7 @@ TEST(StaticTransforms, AreToldAtTheStartAsURDFHasThem) {
   ASSERT_EQ(ends.told.read(told), ReadStatus::NewData);
   ASSERT_THAT(children(told), ElementsAre("laser"));
   EXPECT_EQ(told.transforms[0].header.frame_id, "base");
+  EXPECT_GT(told.transforms[0].header.stamp.sec, 0) << "tools take 0 for a delay of many years";
   EXPECT_EQ(told.transforms[0].transform.translation.z, 0.3);
   // As tf2's Quaternion::setRPY(0.1, 0.2, 0.3).
   EXPECT_NEAR(told.transforms[0].transform.rotation.x, 0.0342707985504821, 1e-12);
