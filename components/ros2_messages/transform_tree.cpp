@@ -142,7 +142,7 @@ Located TransformTree::locate_at(double time) const {
 }
 
 Located TransformTree::newest(std::string_view frame, std::string_view child) {
-  if (const Located failed = connect(frame, child); failed.problem != nullptr) return failed;
+  if (Located failed = connect(frame, child); failed.problem != nullptr) return failed;
   double time = std::numeric_limits<double>::infinity();
   std::string_view oldest;
   for (const auto* side : {&child_side_, &frame_side_}) {
@@ -158,7 +158,7 @@ Located TransformTree::newest(std::string_view frame, std::string_view child) {
 }
 
 Located TransformTree::at(std::string_view frame, std::string_view child, double time) {
-  if (const Located failed = connect(frame, child); failed.problem != nullptr) return failed;
+  if (Located failed = connect(frame, child); failed.problem != nullptr) return failed;
   return locate_at(time);
 }
 

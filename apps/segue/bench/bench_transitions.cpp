@@ -4,6 +4,7 @@
 #include <segue/base/file.hpp>
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
+#include <segue/model/robot.hpp>
 #include <segue/runtime/embedded_robot.hpp>
 #include <segue/runtime/runtime.hpp>
 
