@@ -165,7 +165,7 @@ class Transform final : public Component {
   Property<std::string> frame_{*this, "frame", "map", {.doc = "in which the pose is told"}};
   Property<std::string> child_{*this, "child", "base_link", {.doc = "whose pose is told"}};
   Property<std::uint32_t> most_frames_{
-      *this, "most_frames", 64, {.doc = "that there are at most, all robots' together; 37 kB each"}};
+      *this, "most_frames", 64, {.doc = "how many frames there may be, of all robots together; 37 kB each"}};
   Property<milliseconds> averaging_{*this,
                                     "averaging",
                                     milliseconds(100),

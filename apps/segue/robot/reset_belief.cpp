@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "../connection.hpp"
+#include "../models.hpp"
 
 namespace segue::cli {
 
