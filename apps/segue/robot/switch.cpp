@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "../connection.hpp"
+#include "../models.hpp"
 #include "../report_text.hpp"
 #include "followed_request.hpp"
 
