@@ -26,6 +26,7 @@ class ShownRobot final : public segue::control::FakeRobotService {
   template <class T>
   using Result = segue::Result<T>;
   using FakeRobotService::status;
+  using FakeRobotService::task;
 
   /// One with properties of all kinds, and with operations.
   void add_task(const std::string& id, const std::string& component = "demo::Drive") {
@@ -82,7 +83,7 @@ class ShownRobot final : public segue::control::FakeRobotService {
           Value::map({{"id", id}, {"component", task.component}, {"state", to_string(task.state)}}));
     return Value::map({{"robot", "fake"}, {"tasks", Value(std::move(all))}});
   }
-  Result<Value> task(std::string_view id) override {
+  Result<Value> task(std::string_view id, const segue::Wait&) override {
     ++reports;
     const segue::Lock lock(mutex_);
     const auto found = tasks_.find(id);
@@ -138,7 +139,7 @@ class ShownRobot final : public segue::control::FakeRobotService {
     if (task != "drive") return segue::fail(segue::ErrorCode::HookFailed, "the wheels are stuck");
     return Value(std::string(operation) + " is done");
   }
-  Result<Value> events(std::uint64_t after, segue::Duration) override {
+  Result<Value> events(std::uint64_t after, const segue::Wait&) override {
     if (after > 0) return Value(Value::List());
     return Value::list({Value::map({{"number", 1},
                                     {"time", segue::iso_time(std::chrono::system_clock::now())},

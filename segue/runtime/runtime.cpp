@@ -218,7 +218,7 @@ const std::filesystem::path& Runtime::journal() const {
   return implementation_->options.journal;
 }
 
-std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
+std::vector<Event> Runtime::events(std::uint64_t after, const Wait& wait) const {
   return implementation_->log.after(after, wait);
 }
 

@@ -162,8 +162,8 @@ class Runtime {
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept
-  /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
-  [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
+  /// Events after `after`, oldest first. Blocks until there is one, at most as long as `wait` says.
+  [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, const Wait& wait = {}) const;
   [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] const model::ComponentCatalog& components() const;
   /// For servers, such as RuntimeService. Lives as long as this.

@@ -14,9 +14,11 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -173,6 +175,14 @@ TEST_F(Service, GivesAccessToSingleTasks) {
   EXPECT_EQ(service_.status()->find("differences")->as_list().size(), 1U) << "the property set by the user";
   ASSERT_TRUE(service_.shut_down());
   EXPECT_EQ(shut_downs_, 1);
+}
+
+TEST_F(Service, AnswersNobodyWhoHasStopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Wait stopped(std::chrono::hours(1), stop.get_token());
+  EXPECT_EQ(service_.task("a", stopped).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(service_.events(1'000'000, stopped).error().code, ErrorCode::Cancelled);
 }
 
 /// Its tasks are in processes of a Segue that knows no details of them.
