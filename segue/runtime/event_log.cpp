@@ -37,6 +37,7 @@ bool is_trouble(EventKind kind) {
     case EventKind::Halt:
     case EventKind::Pool:
     case EventKind::Units:
+    case EventKind::Property:
       break;
   }
   return false;

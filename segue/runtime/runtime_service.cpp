@@ -413,7 +413,7 @@ Result<void> RuntimeService::set_property(std::string_view task, std::string_vie
   if (auto allowed = allow(sender, "sets", task, property, wait); !allowed) {
     return allowed;
   }
-  return runtime_.host().set_property(model::TaskId(task), property, value, wait.deadline);
+  return runtime_.set_property(model::TaskId(task), property, value, sender.who, wait.deadline);
 }
 
 Result<type::Value> RuntimeService::call(std::string_view task, std::string_view operation,

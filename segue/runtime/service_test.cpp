@@ -165,8 +165,13 @@ TEST_F(Service, GivesAccessToSingleTasks) {
       models, [](const type::Value& one) { return *one.find("name") == type::Value("stand_in"); });
   ASSERT_NE(model, models.end());
   EXPECT_EQ(*model->find("live"), type::Value(true));
-  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {}, soon()));
+  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {.who = "ann"}, soon()));
+  const auto told = service_.events(0, {})->as_list();
   EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, {}, soon()));
+  ASSERT_EQ(service_.events(0, {})->as_list().size(), told.size()) << "nothing has changed";
+  EXPECT_EQ(*told.back().find("kind"), type::Value("property"));
+  EXPECT_EQ(*told.back().find("subject"), type::Value("a"));
+  EXPECT_EQ(*told.back().find("message"), type::Value("ann set stand_in.rate to 5"));
   EXPECT_FALSE(service_.call("a", "nothing", {}, {}, soon()));
   const auto stream = service_.open_port("a", "state", 5);
   ASSERT_TRUE(stream);
