@@ -2,15 +2,14 @@
 #pragma once
 
 #include "exposed_task.hpp"
+#include "message_writer.hpp"
 #include "participant.hpp"
 #include "service_executor.hpp"
 
 #include <segue/base/life_cycle.hpp>
 #include <segue/ros2/interface_library.hpp>
-#include <segue/ros2/message_codec.hpp>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,7 +38,6 @@ class ExposedNode {
 
   ExposedNode(std::shared_ptr<Participant> participant, std::string name, std::shared_ptr<ExposedTask> task);
   segue::Result<void> open(ServiceExecutor& executor);
-  segue::Result<void> open_events(segue::ros2::InterfaceLibrary& library);
   void add(Answers& answers, const std::string& name, const std::string& interface,
            ServiceExecutor::Answer answer) const;
   void add_parameter_services(Answers& answers) const;
@@ -51,8 +49,7 @@ class ExposedNode {
   const std::shared_ptr<ExposedTask> task_;
   segue::ros2::NodeEntities entities_;
   std::vector<std::shared_ptr<ServiceExecutor::Handle>> services_;
-  std::optional<segue::ros2::MessageCodec> event_;
-  Participant::Owned<dds::DataWriter> events_;
+  std::unique_ptr<MessageWriter> events_;
 };
 
 }  // namespace ros2
