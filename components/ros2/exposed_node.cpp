@@ -29,8 +29,10 @@ ExposedNode::ExposedNode(std::shared_ptr<Participant> participant, std::string n
 
 Result<std::unique_ptr<ExposedNode>> ExposedNode::make(const std::shared_ptr<Participant>& participant,
                                                        ServiceExecutor& executor, const std::string& name,
-                                                       std::shared_ptr<ExposedTask> task) {
+                                                       std::shared_ptr<ExposedTask> task,
+                                                       const segue::ros2::Gid& parameter_events) {
   std::unique_ptr<ExposedNode> made(new ExposedNode(participant, name, std::move(task)));
+  made->entities_.publishers.push_back(parameter_events);
   if (auto opened = made->open(executor); !opened) return opened.error();
   participant->announce(made->entities_);
   return made;

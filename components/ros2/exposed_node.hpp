@@ -19,11 +19,13 @@ namespace ros2 {
 /// A task of a robot as a node of ROS 2: parameters, the life cycle to be looked at, and operations.
 class ExposedNode {
  public:
-  /// `name`: "/robot/drive". Its services are answered by the executor, which must outlive it. Fails where
-  /// the name is not valid, or Fast DDS cannot make its endpoints.
+  /// `name`: "/robot/drive". Its services are answered by the executor, which must outlive it;
+  /// `parameter_events` is a publisher that it shares with others. Fails where the name is not valid, or Fast
+  /// DDS cannot make its endpoints.
   static segue::Result<std::unique_ptr<ExposedNode>> make(const std::shared_ptr<Participant>& participant,
                                                           ServiceExecutor& executor, const std::string& name,
-                                                          std::shared_ptr<ExposedTask> task);
+                                                          std::shared_ptr<ExposedTask> task,
+                                                          const segue::ros2::Gid& parameter_events);
   /// Others see it no longer.
   ~ExposedNode();
   ExposedNode(const ExposedNode&) = delete;
