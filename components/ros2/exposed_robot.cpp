@@ -103,7 +103,7 @@ void ExposedRobot::run(const std::stop_token& stop) {
   bool was_connected = false;
   while (!stop.stop_requested()) {
     Result<void> ended = {};
-    auto robot = segue::control::connect(settings_.socket, kConnectsWithin);
+    auto robot = segue::control::connect(settings_.socket, kConnectsWithin, stop);
     if (robot) {
       was_connected = true;
       ended = follow(std::move(*robot), stop);

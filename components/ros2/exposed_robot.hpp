@@ -46,7 +46,7 @@ class ExposedRobot {
   /// `changed` is called in one of these threads when trouble() may be another one.
   ExposedRobot(std::shared_ptr<Participant> participant, ExposedRobotSettings settings, ExposureRules rules,
                std::function<void()> changed);
-  /// Withdraws all nodes. Requests in progress are waited for.
+  /// Withdraws all nodes. Waits for nobody: requests in progress are given up.
   ~ExposedRobot();
   ExposedRobot(const ExposedRobot&) = delete;
   ExposedRobot& operator=(const ExposedRobot&) = delete;

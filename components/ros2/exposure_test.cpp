@@ -5,6 +5,8 @@
 
 #include <support/logged_lines.hpp>
 
+#include <future>
+
 namespace ros2::testing {
 namespace {
 
@@ -266,6 +268,23 @@ TEST_P(ExposedTasks, AnswerThoughOneVanishesWhileItIsSet) {
   auto get = asker("/robot/arm/get_state", "lifecycle_msgs/srv/GetState");
   EXPECT_EQ(*get.ask(Value::map({})).find("current_state")->find("label"), Value("active"));
   EXPECT_TRUE(robot->senders().empty()) << number;
+}
+
+TEST_P(ExposedTasks, AreNotWaitedForWhereTheyDoNotAnswerAtTheStop) {
+  robot->silence("drive");
+  expose();
+  auto get = asker("/robot/drive/get_parameters", "rcl_interfaces/srv/GetParameters");
+  ASSERT_TRUE(get.has_server());
+  const auto client = segue::control::connect(segue::control::socket_path("fake").value()).value();
+  auto question = std::async(std::launch::async, [&] { return client->task("drive"); });
+  ASSERT_TRUE(robot->entered.wait_until(soon()));
+  get.send(names({"speed"}));
+  ASSERT_TRUE(eventually([&] { return robot->reports == 2; }));
+  ASSERT_TRUE(exposure->task().stop(soon()));
+  EXPECT_EQ(question.wait_for(std::chrono::seconds(0)), std::future_status::timeout)
+      << "who has asked before that waits still";
+  robot->release.open();
+  EXPECT_TRUE(question.get());
 }
 
 TEST_P(ExposedTasks, DropMalformedRequestsAndThoseThatAreTooMany) {

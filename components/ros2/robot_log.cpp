@@ -85,7 +85,7 @@ void RobotLog::publish_all(const std::stop_token& stop) {
 }
 
 void RobotLog::publish_events(const std::stop_token& stop) {
-  const auto events = robot_->events(last_event_, segue::Duration(0));
+  const auto events = robot_->events(last_event_, segue::Wait(segue::monotonic_now(), stop));
   if (!events) return;
   for (const Value& event : events->as_list()) {
     last_event_ = number_of(event);
@@ -99,7 +99,7 @@ void RobotLog::publish_events(const std::stop_token& stop) {
 }
 
 void RobotLog::publish_lines(const std::string& task, const std::string& node, const std::stop_token& stop) {
-  const auto report = robot_->task(task);
+  const auto report = robot_->task(task, segue::Wait(segue::TimePoint::max(), stop));
   const Value* log = report ? report->find("log") : nullptr;
   if (log == nullptr) return;
   Position& last = last_[task];
