@@ -435,6 +435,22 @@ TEST_F(ControlTest, AServerThatGoesAnswersTheCallInProgressAndIsGoneForTheNext) 
   EXPECT_FALSE(std::filesystem::exists(socket_));
 }
 
+TEST_F(ControlTest, WhoeverWaitsForEventsMayStop) {
+  serve();
+  const auto robot = client();
+  std::stop_source stop;
+  auto waiting = std::async(std::launch::async, [&] {
+    return robot->events(10, Wait(Deadline(std::chrono::hours(1)), stop.get_token()));
+  });
+  ASSERT_TRUE(robot_.entered.wait());
+  stop.request_stop();
+  const auto answer = waiting.get();
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, ErrorCode::Cancelled);
+  EXPECT_TRUE(robot_.dropped.wait());
+  EXPECT_TRUE(robot->events(3, {})) << "the connection goes on";
+}
+
 TEST_F(ControlTest, AServerThatGoesDoesNotWaitForPatientClients) {
   serve();
   const auto robot = client();

@@ -25,6 +25,9 @@ using detail::RpcChannel;
 using detail::time_left;
 using type::Value;
 
+/// Of whoever waits for events; a longer time could not be added to.
+constexpr Duration kLongestPatience = std::chrono::hours(24);
+
 /// 0 where it is none.
 std::uint64_t number_in(const Value* value) {
   if (value == nullptr || !value->is_integer()) return 0;
@@ -53,8 +56,9 @@ class Client final : public RobotService {
     });
   }
 
-  Result<Value> task(std::string_view id) override {
-    return channel_->ask(kQueryTimeout, [id = std::string(id)](RpcChannel::Connection& connection) {
+  using RobotService::task;
+  Result<Value> task(std::string_view id, const Wait& wait) override {
+    return query(wait, [id = std::string(id)](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().taskRequest();
       request.setId(as_text(id));
       return RpcChannel::send(request);
@@ -356,14 +360,15 @@ class Client final : public RobotService {
     return detail::opened_stream(channel_, id, type);
   }
 
-  Result<Value> events(std::uint64_t after, Duration wait) override {
-    const Duration patience = std::max(wait, Duration(0));
-    return channel_->ask(patience + kQueryTimeout, [after, patience](RpcChannel::Connection& connection) {
+  Result<Value> events(std::uint64_t after, const Wait& wait) override {
+    const Duration patience = std::min(time_left(wait.deadline), kLongestPatience);
+    const auto begin = [after, patience](RpcChannel::Connection& connection) {
       auto request = connection.as<wire::Robot>().eventsRequest();
       request.setAfter(after);
       request.setWait(patience.count());
       return RpcChannel::send(request);
-    });
+    };
+    return channel_->ask(patience + kQueryTimeout, begin, wait.stop);
   }
 
   Result<Value> past(const Value& question) override {
@@ -445,9 +450,10 @@ class Client final : public RobotService {
 
 }  // namespace
 
-Result<std::unique_ptr<RobotService>> connect(const Endpoint& endpoint, Duration timeout) {
-  auto channel =
-      RpcChannel::open(endpoint, detail::kRobotKind, "robot " + quote(detail::name_of(endpoint)), timeout);
+Result<std::unique_ptr<RobotService>> connect(const Endpoint& endpoint, Duration timeout,
+                                              const std::stop_token& stop) {
+  auto channel = RpcChannel::open(endpoint, detail::kRobotKind, "robot " + quote(detail::name_of(endpoint)),
+                                  timeout, {}, stop);
   if (!channel) return channel.error();
   return std::make_unique<Client>(std::move(*channel));
 }

@@ -44,17 +44,17 @@ class RobotService {
 
   /// {"robot", "file" (the robot file; null: none), "controller", "version", "loaded_version",
   /// "changed_files", "state", "controllers", "transitions", "requests" (not ended: {"request", "to", "who",
-  /// "state"
-  /// ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools", "pid",
-  /// "uptime_s", "tasks", "connections", "differences", "commanded_by", "lost", "doing", "halt" (null, or
-  /// {"who", "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped",
+  /// "state" ("waiting", "planning", "prepare", "commit", "retire", "undo"), "cancelled_by"}), "pools",
+  /// "pid", "uptime_s", "tasks", "connections", "differences", "commanded_by", "lost", "doing", "halt" (null,
+  /// or {"who", "why", "time_s" (since 1970), "state" ("halting", "at_rest", "not_at_rest"), "stopped",
   /// "trouble"}), "stopped_by" (until release_stop(); null: nobody), "health" ({"state" ("healthy",
   /// "in_transition", "in_trouble", "lost"), "troubles": [{"kind" ("robot", "host", "process", "task",
   /// "connection", "pool"), "name", "what", "why", "since", "for_s", "repair", "on_request"}]})}
   virtual Result<type::Value> status(const Wait& wait) = 0;
   Result<type::Value> status() { return status(Wait(TimePoint::max())); }
   /// {"id", "component", "state", ..., "ports", "properties", "operations", "timing", "histograms", "log"}
-  virtual Result<type::Value> task(std::string_view id) = 0;
+  virtual Result<type::Value> task(std::string_view id, const Wait& wait) = 0;
+  Result<type::Value> task(std::string_view id) { return task(id, Wait(TimePoint::max())); }
   /// Has `answered` called once the task's level is not as the caller has seen it; see
   /// task_host::TaskHost::watch().
   virtual void watch(const task_host::LevelQuestion& question, const Wait& wait,
@@ -185,8 +185,8 @@ class RobotService {
                                                   std::size_t buffer) {
     return open_port(task, port, buffer, Wait(TimePoint::max()));
   }
-  /// A list of {"number", "time", "kind", "subject", "message"}.
-  virtual Result<type::Value> events(std::uint64_t after, Duration wait) = 0;
+  /// A list of {"number", "time", "kind", "subject", "message"}; empty where none has come by the deadline.
+  virtual Result<type::Value> events(std::uint64_t after, const Wait& wait) = 0;
   /// A list of the JSON of `switch`, oldest first.
   virtual Result<type::Value> history() = 0;
   /// Answers about the past from the robot's journal, of bounded size, as journal::answer_about_past() does.

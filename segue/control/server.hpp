@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -83,8 +84,9 @@ class Server {
 /// The robot at that place. Unavailable where nobody answers; calls after the robot went answer Unavailable
 /// too. On TCP also NotFound where the computer's name is unknown, DeadlineExceeded where it does not answer,
 /// and PermissionDenied where one side refuses the certificate of the other; the message says which and why.
-/// The destructor closes.
+/// The destructor closes. Cancelled, on a Unix socket, once a stop is requested.
 Result<std::unique_ptr<RobotService>> connect(const Endpoint& endpoint,
-                                              Duration timeout = std::chrono::seconds(5));
+                                              Duration timeout = std::chrono::seconds(5),
+                                              const std::stop_token& stop = {});
 
 }  // namespace segue::control

@@ -11,9 +11,12 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <future>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace segue::control {
 namespace {
@@ -73,6 +76,26 @@ Descriptor connect_as(uid_t user, const std::filesystem::path& path) {
 }
 
 using ControlWherePossible = ControlTest;
+
+TEST_F(ControlTest, WhoeverConnectsMayStop) {
+  const Descriptor silent = bind_socket(socket_);
+  ASSERT_EQ(::listen(silent.get(), 0), 0);
+  std::vector<Descriptor> queue;
+  for (const bool is_full : {false, true}) {
+    while (is_full && queue.size() < 8) {
+      queue.emplace_back(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0));
+      const sockaddr_un address = address_of(socket_);
+      ::connect(queue.back().get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    }
+    std::stop_source stop;
+    auto waiting = std::async(std::launch::async,
+                              [&] { return connect(socket_, std::chrono::hours(1), stop.get_token()); });
+    stop.request_stop();
+    const auto connected = waiting.get();
+    ASSERT_FALSE(connected);
+    EXPECT_EQ(connected.error().code, ErrorCode::Cancelled) << to_string(connected.error());
+  }
+}
 
 TEST_F(ControlWherePossible, AnotherUserIsTurnedAwayEvenIfTheFilesLetHimIn) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can be somebody else";

@@ -85,7 +85,7 @@ class FakeService final : public control::RobotService {
   control::ChangesAnswer changes_answered;
 
   Result<Value> status(const Wait& /*wait*/) override { return status_answer; }
-  Result<Value> task(std::string_view /*id*/) override { return no(); }
+  Result<Value> task(std::string_view /*id*/, const Wait& /*wait*/) override { return no(); }
   void watch(const task_host::LevelQuestion& question, const Wait& /*wait*/,
              control::RobotLevelAnswer answered) override {
     watched = question;
@@ -199,7 +199,7 @@ class FakeService final : public control::RobotService {
                                                            const Wait& /*wait*/) override {
     return no();
   }
-  Result<Value> events(std::uint64_t /*after*/, Duration /*wait*/) override { return no(); }
+  Result<Value> events(std::uint64_t /*after*/, const Wait& /*wait*/) override { return no(); }
   Result<Value> history() override { return no(); }
   Result<Value> past(const Value& /*question*/) override { return no(); }
   Result<void> shut_down() override { return no(); }

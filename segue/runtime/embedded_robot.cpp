@@ -220,7 +220,7 @@ Result<void> EmbeddedRobot::set(std::string_view property, const type::Value& va
   if (!of) {
     return std::move(of.error());
   }
-  return host().set_property(of->task, of->port, value, Deadline(timeout));
+  return runtime().set_property(of->task, of->port, value, {}, Deadline(timeout));
 }
 
 Result<type::Value> EmbeddedRobot::call(std::string_view operation, const type::Value& arguments,

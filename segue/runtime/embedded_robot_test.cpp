@@ -151,6 +151,7 @@ TEST_F(MembersOfTasks, AreReadWrittenSetAndCalledByTheirAddress) {
 
 TEST_F(MembersOfTasks, HaveNoNextSampleWhereNoneIsWrittenInTime) {
   ASSERT_TRUE(robot_->set("counter.writes", false));
+  EXPECT_EQ(robot_->runtime().events().back().message, "somebody set writes to false");
   EXPECT_EQ(robot_->port("counter.out").next(5ms).error().code, ErrorCode::DeadlineExceeded);
   EXPECT_EQ(robot_->port("counter.out").latest().error().code, ErrorCode::NotFound);
 }

@@ -32,9 +32,10 @@ enum class EventKind {
   Files,      ///< files were applied, or that was rolled back
   Lease,      ///< somebody commands the robot, or does no longer
   RequestCancelled,
-  Halt,  ///< the robot is brought to rest, or was released
-  Pool,  ///< an instance of a pool is made because calls wait, or ended because none do
-  Units  ///< somebody has said how many units of a resource there are
+  Halt,     ///< the robot is brought to rest, or was released
+  Pool,     ///< an instance of a pool is made because calls wait, or ended because none do
+  Units,    ///< somebody has said how many units of a resource there are
+  Property  ///< somebody has set a property of a task that is there
 };
 std::string_view to_string(EventKind kind);
 

@@ -7,8 +7,6 @@ namespace segue::runtime::detail {
 
 namespace {
 constexpr std::size_t kKeptEvents = 4096;
-/// Longer waits are cut to this: adding an arbitrary duration to a time point could overflow.
-constexpr Duration kLongestWait = std::chrono::hours(24);
 
 bool is_trouble(EventKind kind) {
   switch (kind) {
@@ -39,6 +37,7 @@ bool is_trouble(EventKind kind) {
     case EventKind::Halt:
     case EventKind::Pool:
     case EventKind::Units:
+    case EventKind::Property:
       break;
   }
   return false;
@@ -58,12 +57,10 @@ void EventLog::add(EventKind kind, std::string subject, std::string message, boo
   added_.notify_all();
 }
 
-std::vector<Event> EventLog::after(std::uint64_t number, Duration wait) const {
+std::vector<Event> EventLog::after(std::uint64_t number, const Wait& wait) const {
   Lock lock(mutex_);
-  if (!has_after(number) && wait > Duration::zero()) {
-    added_.wait_for(mutex_, std::min(wait, kLongestWait),
+  added_.wait_until(mutex_, wait.stop, wait.deadline,
                     [&]() SEGUE_REQUIRES(mutex_) { return has_after(number) || closed_; });
-  }
   const auto first = std::ranges::upper_bound(events_, number, {}, &Event::number);
   return {first, events_.end()};
 }

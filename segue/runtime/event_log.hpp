@@ -16,8 +16,8 @@ class EventLog {
  public:
   /// `trouble`: it is trouble, although events of that kind need not be.
   void add(EventKind kind, std::string subject, std::string message, bool trouble = false);
-  /// Events after `number`. Blocks until there is one, at most for `wait`, or until close().
-  [[nodiscard]] std::vector<Event> after(std::uint64_t number, Duration wait) const;
+  /// Events after `number`. Blocks until there is one, at most as long as `wait` says, or until close().
+  [[nodiscard]] std::vector<Event> after(std::uint64_t number, const Wait& wait) const;
   /// Wakes all waiting threads; from then on after() does not block.
   void close();
 
@@ -25,7 +25,7 @@ class EventLog {
   [[nodiscard]] bool has_after(std::uint64_t number) const SEGUE_REQUIRES(mutex_) { return last_ > number; }
 
   mutable Mutex mutex_;  ///< protects all members below
-  mutable ConditionVariable added_;
+  mutable StoppableConditionVariable added_;
   std::deque<Event> events_ SEGUE_GUARDED_BY(mutex_);
   std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;
   bool closed_ SEGUE_GUARDED_BY(mutex_) = false;

@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/runtime/runtime.hpp>
 
+#include <segue/base/text.hpp>
 #include <segue/runtime/robot_snapshot.hpp>
 #include <segue/runtime/runtime_implementation.hpp>
+#include <segue/type/json.hpp>
 
 #include <array>
 
 namespace segue::runtime {
+
+namespace {
+
+/// A value for a message, however large it is.
+std::string short_text(const type::Value& value) {
+  if (value.is_string()) {
+    return quote(value.as_string());
+  }
+  const std::string quoted = quote(type::to_json(value, -1));
+  return quoted.substr(1, quoted.size() - 2);
+}
+
+}  // namespace
 
 std::string_view to_string(RuntimeState state) {
   static constexpr std::array<std::string_view, 3> kNames = {"idle", "executing", "failed"};
@@ -14,7 +29,7 @@ std::string_view to_string(RuntimeState state) {
 }
 
 std::string_view to_string(EventKind kind) {
-  static constexpr std::array<std::string_view, 26> kNames = {"request_accepted",
+  static constexpr std::array<std::string_view, 27> kNames = {"request_accepted",
                                                               "transition_started",
                                                               "action_done",
                                                               "action_failed",
@@ -39,7 +54,8 @@ std::string_view to_string(EventKind kind) {
                                                               "request_cancelled",
                                                               "halt",
                                                               "pool",
-                                                              "units"};
+                                                              "units",
+                                                              "property"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -191,6 +207,17 @@ std::vector<Readiness> Runtime::readiness() const {
   return implementation_->standby_requests.readiness();
 }
 
+Result<void> Runtime::set_property(const model::TaskId& task, std::string_view property,
+                                   const type::Value& value, const std::string& who, TimePoint deadline) {
+  auto done = implementation_->host.set_property(task, property, value, deadline);
+  if (done) {
+    implementation_->log.add(
+        EventKind::Property, task.str(),
+        (who.empty() ? "somebody" : who) + " set " + std::string(property) + " to " + short_text(value));
+  }
+  return done;
+}
+
 Result<type::Value> Runtime::call(const model::TaskId& task, std::string_view operation,
                                   const type::Value& arguments, const Wait& wait) {
   return implementation_->pools.call(task, operation, arguments, wait);
@@ -218,7 +245,7 @@ const std::filesystem::path& Runtime::journal() const {
   return implementation_->options.journal;
 }
 
-std::vector<Event> Runtime::events(std::uint64_t after, Duration wait) const {
+std::vector<Event> Runtime::events(std::uint64_t after, const Wait& wait) const {
   return implementation_->log.after(after, wait);
 }
 

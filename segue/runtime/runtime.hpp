@@ -148,6 +148,9 @@ class Runtime {
 
   /// The parts of the robot and their problems; each process is asked once. Blocks while they are asked.
   [[nodiscard]] RobotSnapshot snapshot() const;
+  /// As host().set_property(), and an event says so: `who` has set it.
+  Result<void> set_property(const model::TaskId& task, std::string_view property, const type::Value& value,
+                            const std::string& who, TimePoint deadline);
   /// As host().call(). An instance of a pool that has begun to carry it out when `wait` ends, and does so for
   /// nobody then, is ended and started again. Blocks until it has ended, or the instance has.
   Result<type::Value> call(const model::TaskId& task, std::string_view operation,
@@ -162,8 +165,8 @@ class Runtime {
   /// Finished requests, oldest first; the last hundred are kept.
   [[nodiscard]] std::vector<SwitchResult> history() const;
   [[nodiscard]] const std::filesystem::path& journal() const;  ///< its file; empty: none is kept
-  /// Events after `after`, oldest first. Blocks until there is one, at most for `wait`.
-  [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, Duration wait = {}) const;
+  /// Events after `after`, oldest first. Blocks until there is one, at most as long as `wait` says.
+  [[nodiscard]] std::vector<Event> events(std::uint64_t after = 0, const Wait& wait = {}) const;
   [[nodiscard]] task_host::TaskHost& host();
   [[nodiscard]] const model::ComponentCatalog& components() const;
   /// For servers, such as RuntimeService. Lives as long as this.

@@ -101,8 +101,9 @@ Result<type::Value> RuntimeService::status(const Wait& wait) {
   return status;
 }
 
-Result<type::Value> RuntimeService::task(std::string_view id) {
-  return task_report(runtime_, model::TaskId(id));
+Result<type::Value> RuntimeService::task(std::string_view id, const Wait& wait) {
+  return wait.is_stopped() ? Result<type::Value>(no_longer_wanted())
+                           : task_report(runtime_, model::TaskId(id));
 }
 
 void RuntimeService::watch(const task_host::LevelQuestion& question, const Wait& wait,
@@ -412,7 +413,7 @@ Result<void> RuntimeService::set_property(std::string_view task, std::string_vie
   if (auto allowed = allow(sender, "sets", task, property, wait); !allowed) {
     return allowed;
   }
-  return runtime_.host().set_property(model::TaskId(task), property, value, wait.deadline);
+  return runtime_.set_property(model::TaskId(task), property, value, sender.who, wait.deadline);
 }
 
 Result<type::Value> RuntimeService::call(std::string_view task, std::string_view operation,
@@ -465,11 +466,11 @@ Result<std::unique_ptr<control::SampleStream>> RuntimeService::open_port(std::st
   return std::unique_ptr<control::SampleStream>(std::make_unique<control::ReaderStream>(std::move(*reader)));
 }
 
-Result<type::Value> RuntimeService::events(std::uint64_t after, Duration wait) {
+Result<type::Value> RuntimeService::events(std::uint64_t after, const Wait& wait) {
   type::Value::List list;
-  for (const auto& event : runtime_.events(after, wait)) {
+  for (const auto& event : runtime_.events(after, wait))
     list.push_back(to_value(event));
-  }
+  if (list.empty() && wait.is_stopped()) return no_longer_wanted();
   return type::Value(std::move(list));
 }
 

@@ -20,8 +20,9 @@ class RuntimeService final : public control::RobotService {
   using control::RobotService::conflicts;
   using control::RobotService::open_port;
   using control::RobotService::status;
+  using control::RobotService::task;
   Result<type::Value> status(const Wait& wait) override;
-  Result<type::Value> task(std::string_view id) override;
+  Result<type::Value> task(std::string_view id, const Wait& wait) override;
   void watch(const task_host::LevelQuestion& question, const Wait& wait,
              control::RobotLevelAnswer answered) override;
   Result<type::Value> running(std::uint64_t lease, const Wait& wait) override;
@@ -64,7 +65,7 @@ class RuntimeService final : public control::RobotService {
                      const control::Sender& sender, const Wait& wait) override;
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
                                                            std::size_t buffer, const Wait& wait) override;
-  Result<type::Value> events(std::uint64_t after, Duration wait) override;
+  Result<type::Value> events(std::uint64_t after, const Wait& wait) override;
   Result<type::Value> history() override;
   Result<type::Value> past(const type::Value& question) override;
   Result<void> shut_down() override;

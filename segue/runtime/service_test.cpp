@@ -14,9 +14,11 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -163,8 +165,13 @@ TEST_F(Service, GivesAccessToSingleTasks) {
       models, [](const type::Value& one) { return *one.find("name") == type::Value("stand_in"); });
   ASSERT_NE(model, models.end());
   EXPECT_EQ(*model->find("live"), type::Value(true));
-  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {}, soon()));
+  EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {.who = "ann"}, soon()));
+  const auto told = service_.events(0, {})->as_list();
   EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, {}, soon()));
+  ASSERT_EQ(service_.events(0, {})->as_list().size(), told.size()) << "nothing has changed";
+  EXPECT_EQ(*told.back().find("kind"), type::Value("property"));
+  EXPECT_EQ(*told.back().find("subject"), type::Value("a"));
+  EXPECT_EQ(*told.back().find("message"), type::Value("ann set stand_in.rate to 5"));
   EXPECT_FALSE(service_.call("a", "nothing", {}, {}, soon()));
   const auto stream = service_.open_port("a", "state", 5);
   ASSERT_TRUE(stream);
@@ -173,6 +180,14 @@ TEST_F(Service, GivesAccessToSingleTasks) {
   EXPECT_EQ(service_.status()->find("differences")->as_list().size(), 1U) << "the property set by the user";
   ASSERT_TRUE(service_.shut_down());
   EXPECT_EQ(shut_downs_, 1);
+}
+
+TEST_F(Service, AnswersNobodyWhoHasStopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  const Wait stopped(std::chrono::hours(1), stop.get_token());
+  EXPECT_EQ(service_.task("a", stopped).error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(service_.events(1'000'000, stopped).error().code, ErrorCode::Cancelled);
 }
 
 /// Its tasks are in processes of a Segue that knows no details of them.

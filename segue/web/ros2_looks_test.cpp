@@ -28,6 +28,7 @@ class RobotOfTasks final : public control::FakeRobotService {
  public:
   using Tasks = std::map<std::string, Value, std::less<>>;
   using FakeRobotService::status;
+  using FakeRobotService::task;
   explicit RobotOfTasks(Tasks tasks) : tasks_(std::move(tasks)) {}
 
   Result<Value> status(const Wait& /*wait*/) override {
@@ -36,7 +37,7 @@ class RobotOfTasks final : public control::FakeRobotService {
       list.push_back(Value::map({{"id", id}, {"component", "ros2::Node"}}));
     return Value::map({{"robot", "fake"}, {"tasks", Value(std::move(list))}});
   }
-  Result<Value> task(std::string_view id) override {
+  Result<Value> task(std::string_view id, const Wait& /*wait*/) override {
     const auto found = tasks_.find(id);
     EXPECT_NE(found, tasks_.end()) << id << " is not asked for";
     if (found == tasks_.end() || found->second.is_null()) return fail(ErrorCode::NotFound, "no such task");

@@ -45,7 +45,7 @@ class ShownRobot final : public control::FakeRobotService {
     if (ask != nullptr && *ask == type::Value("clock")) return type::Value::map({{"now_s", 1.8e9}});
     return question;
   }
-  Result<type::Value> task(std::string_view id) override {
+  Result<type::Value> task(std::string_view id, const Wait& /*wait*/) override {
     ++questions;
     ++task_questions;
     if (id == "gone") return fail(ErrorCode::NotFound, "no task 'gone' runs");
@@ -71,9 +71,10 @@ class ShownRobot final : public control::FakeRobotService {
     mission_entries_ = entries;
     mission_plan_ = std::move(plan);
   }
-  Result<type::Value> events(std::uint64_t after, Duration wait) override {
+  Result<type::Value> events(std::uint64_t after, const Wait& wait) override {
     ++questions;
-    return control::FakeRobotService::events(after, std::min(wait, Duration(std::chrono::milliseconds(20))));
+    const TimePoint soon = monotonic_now() + std::chrono::milliseconds(20);
+    return control::FakeRobotService::events(after, Wait(std::min(wait.deadline, soon), wait.stop));
   }
   Result<std::unique_ptr<control::SampleStream>> open_port(std::string_view task, std::string_view port,
                                                            std::size_t buffer, const Wait& wait) override {

@@ -104,6 +104,11 @@ TEST_F(RobotForRos2, HasItsPropertiesSetButNotItsStates) {
   const auto set = segue({"switch", "set", "--robot", "other", "--timeout", "200s"});
   EXPECT_EQ(set.status, 0) << set.output << set.errors;
   EXPECT_THAT(segue({"task", "drive", "--robot", "rover"}).output, HasSubstr("max_speed: 0.3"));
+  ASSERT_EQ(segue({"set", "drive.max_speed=0.9", "--robot", "rover"}).status, 0);
+  EXPECT_TRUE(eventually([&] {
+    return segue({"call", "proxy.changed_parameters", "--robot", "other"}).output.find("is 0.9, not 0.3") !=
+           std::string::npos;
+  })) << "the driver is told";
   // While somebody else commands the robot, nothing is set beside that.
   write(
       "hold.yaml",

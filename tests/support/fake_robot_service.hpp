@@ -60,8 +60,9 @@ class FakeRobotService : public RobotService {
   using RobotService::conflicts;
   using RobotService::open_port;
   using RobotService::status;
+  using RobotService::task;
   Result<type::Value> status(const Wait& /*wait*/) override { return type::Value::map({{"robot", "fake"}}); }
-  Result<type::Value> task(std::string_view id) override {
+  Result<type::Value> task(std::string_view id, const Wait& /*wait*/) override {
     if (id == "throws") throw std::runtime_error("a defect");
     if (id != "huge" && id != "large") return type::Value::map({{"id", id}});
     return type::Value(std::string(std::size_t{id == "huge" ? 200U : 20U} << 20, 'x'));
@@ -222,10 +223,11 @@ class FakeRobotService : public RobotService {
     if (port != "out") return fail(ErrorCode::NotFound, "no port");
     return std::make_unique<Numbers>(open_streams);
   }
-  Result<type::Value> events(std::uint64_t after, Duration wait) override {
+  Result<type::Value> events(std::uint64_t after, const Wait& wait) override {
     if (after < 10) return type::Value::list({type::Value::map({{"number", after + 1}})});
     entered.open();
-    release.wait_until(now() + wait);
+    const std::stop_callback given_up(wait.stop, [this] { dropped.open(); });
+    release.wait_until(wait.deadline);
     return type::Value(type::Value::List{});
   }
   Result<type::Value> history() override { return type::Value(type::Value::List{}); }

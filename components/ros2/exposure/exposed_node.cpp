@@ -3,8 +3,6 @@
 #include "exposed_parameters.hpp"
 #include "exposed_states.hpp"
 
-#include <segue/ros2/dds_names.hpp>
-
 #include <chrono>
 
 namespace ros2 {
@@ -31,8 +29,10 @@ ExposedNode::ExposedNode(std::shared_ptr<Participant> participant, std::string n
 
 Result<std::unique_ptr<ExposedNode>> ExposedNode::make(const std::shared_ptr<Participant>& participant,
                                                        ServiceExecutor& executor, const std::string& name,
-                                                       std::shared_ptr<ExposedTask> task) {
+                                                       std::shared_ptr<ExposedTask> task,
+                                                       const segue::ros2::Gid& parameter_events) {
   std::unique_ptr<ExposedNode> made(new ExposedNode(participant, name, std::move(task)));
+  made->entities_.publishers.push_back(parameter_events);
   if (auto opened = made->open(executor); !opened) return opened.error();
   participant->announce(made->entities_);
   return made;
@@ -44,7 +44,11 @@ ExposedNode::~ExposedNode() {
 
 Result<void> ExposedNode::open(ServiceExecutor& executor) {
   segue::ros2::InterfaceLibrary library;
-  if (auto opened = open_events(library); !opened) return opened;
+  auto events = MessageWriter::make(participant_, library, name_ + "/transition_event",
+                                    "lifecycle_msgs/msg/TransitionEvent", {});
+  if (!events) return events.error();
+  events_ = std::move(*events);
+  entities_.publishers.push_back(events_->gid());
   Answers answers;
   add_parameter_services(answers);
   add_lifecycle_services(answers);
@@ -59,30 +63,11 @@ Result<void> ExposedNode::open(ServiceExecutor& executor) {
   return {};
 }
 
-Result<void> ExposedNode::open_events(segue::ros2::InterfaceLibrary& library) {
-  auto topic = segue::ros2::dds_topic_name(name_ + "/transition_event");
-  if (!topic) return topic.error();
-  auto codec = segue::ros2::MessageCodec::of(library, "lifecycle_msgs/msg/TransitionEvent");
-  if (!codec) return codec.error();
-  event_ = std::move(*codec);
-  auto writer =
-      participant_->make_writer({*topic, event_->dds_type()}, {}, "typehash=" + event_->type_hash() + ";",
-                                nullptr, Participant::Memory::AsNeeded);
-  if (!writer) return writer.error();
-  events_ = std::move(*writer);
-  entities_.publishers.push_back(gid_of(events_->guid()));
-  return {};
-}
-
 void ExposedNode::set_state(segue::TaskState state) {
   const segue::TaskState before = task_->state();
   task_->set_state(state);
-  for (const Value& event : transition_events(before, state, time_of_day())) {
-    const auto message = event_->encode(event, "event");
-    if (!message) continue;
-    BytesSource source(*message);
-    events_->write(static_cast<MessageSource*>(&source));
-  }
+  for (const Value& event : transition_events(before, state, time_of_day()))
+    events_->publish(event);
 }
 
 void ExposedNode::add(Answers& answers, const std::string& name, const std::string& interface,

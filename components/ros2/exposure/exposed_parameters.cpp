@@ -105,6 +105,11 @@ std::uint64_t depth_of(const Value& request) {
   return depth.kind() == Value::Kind::UInt ? depth.as_uint() : static_cast<std::uint64_t>(depth.as_int());
 }
 
+/// As rcl_interfaces/msg/Parameter.
+Value parameter_message(const ExposedParameter& parameter) {
+  return Value::map({{"name", parameter.name}, {"value", parameter.value}});
+}
+
 }  // namespace
 
 std::vector<ExposedParameter> parameters_of(const Value& task) {
@@ -158,6 +163,27 @@ Value describe_parameters(const std::vector<ExposedParameter>& all, const Value&
                        {"additional_constraints", found->constraints},
                        {"read_only", !writable || !found->is_live}});
   });
+}
+
+std::optional<Value> parameter_event(const std::vector<ExposedParameter>& before,
+                                     const std::vector<ExposedParameter>& now) {
+  Value::List added;
+  Value::List changed;
+  Value::List deleted;
+  for (const ExposedParameter& one : now) {
+    const ExposedParameter* was = find_parameter(before, one.name);
+    if (was == nullptr)
+      added.push_back(parameter_message(one));
+    else if (was->value != one.value)
+      changed.push_back(parameter_message(one));
+  }
+  for (const ExposedParameter& one : before) {
+    if (find_parameter(now, one.name) == nullptr) deleted.push_back(parameter_message(one));
+  }
+  if (added.empty() && changed.empty() && deleted.empty()) return {};
+  return Value::map({{"new_parameters", Value(std::move(added))},
+                     {"changed_parameters", Value(std::move(changed))},
+                     {"deleted_parameters", Value(std::move(deleted))}});
 }
 
 }  // namespace ros2

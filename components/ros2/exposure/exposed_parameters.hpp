@@ -3,6 +3,7 @@
 
 #include <segue/type/value.hpp>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,5 +36,9 @@ segue::type::Value get_parameter_types(const std::vector<ExposedParameter>& all,
 /// `writable`: whether clients may set any.
 segue::type::Value describe_parameters(const std::vector<ExposedParameter>& all,
                                        const segue::type::Value& request, bool writable);
+
+/// The difference, as rcl_interfaces/msg/ParameterEvent without time and node; nothing: there is none.
+std::optional<segue::type::Value> parameter_event(const std::vector<ExposedParameter>& before,
+                                                  const std::vector<ExposedParameter>& now);
 
 }  // namespace ros2

@@ -103,7 +103,7 @@ void ExposedRobot::run(const std::stop_token& stop) {
   bool was_connected = false;
   while (!stop.stop_requested()) {
     Result<void> ended = {};
-    auto robot = segue::control::connect(settings_.socket, kConnectsWithin);
+    auto robot = segue::control::connect(settings_.socket, kConnectsWithin, stop);
     if (robot) {
       was_connected = true;
       ended = follow(std::move(*robot), stop);
@@ -120,13 +120,16 @@ Result<void> ExposedRobot::follow(std::shared_ptr<segue::control::RobotService> 
                                   const std::stop_token& stop) {
   Connection connection{std::move(robot), std::stop_source(), std::make_shared<Inbox>()};
   const std::stop_callback ended(stop, [&] { connection.ends.request_stop(); });
-  std::optional<RobotLog> log;
+  const auto nodes = [this] {
+    const segue::Lock lock(mutex_);
+    return nodes_;
+  };
   if (settings_.rosout != nullptr) {
-    log.emplace(connection.robot, settings_.rosout, settings_.own_node, [this] {
-      const segue::Lock lock(mutex_);
-      return nodes_;
-    });
+    connection.log =
+        std::make_unique<RobotLog>(connection.robot, settings_.rosout, settings_.own_node, nodes);
   }
+  connection.parameters =
+      std::make_unique<RobotParameters>(connection.robot, settings_.parameter_events, nodes);
   Result<void> result;
   while (result && !stop.stop_requested()) {
     const auto status = connection.robot->status(segue::Wait(segue::Deadline(kRobotAnswers), stop));
@@ -140,7 +143,8 @@ Result<void> ExposedRobot::follow(std::shared_ptr<segue::control::RobotService> 
     wait_for_news(connection, stop);
   }
   connection.ends.request_stop();
-  log.reset();
+  connection.log.reset();
+  connection.parameters.reset();
   connection.nodes.clear();
   note_nodes(connection);
   return result;
@@ -202,7 +206,8 @@ void ExposedRobot::add(Connection& connection, const Value& task) {
   }
   auto exposed = std::make_shared<ExposedTask>(connection.robot, id, rules_, connection.ends.get_token());
   exposed->set_state(state_in(task));
-  auto made = ExposedNode::make(participant_, executor_, name, std::move(exposed));
+  auto made =
+      ExposedNode::make(participant_, executor_, name, std::move(exposed), settings_.parameter_events->gid());
   if (!made) return log_once("task " + segue::quote(id) + " has no node: " + segue::to_string(made.error()));
   Node node;
   node.node = std::move(*made);
@@ -238,10 +243,15 @@ void ExposedRobot::take_level(Connection& connection, const std::string& task, s
 }
 
 void ExposedRobot::note_nodes(const Connection& connection) {
-  const segue::Lock lock(mutex_);
-  nodes_.clear();
+  ShownNodes nodes;
   for (const auto& [task, node] : connection.nodes)
-    nodes_.emplace(task, node.node->name());
+    nodes.emplace(task, ShownNode{node.node->name(), node.number});
+  {
+    const segue::Lock lock(mutex_);
+    if (nodes_ == nodes) return;
+    nodes_ = std::move(nodes);
+  }
+  if (connection.parameters != nullptr) connection.parameters->look();
 }
 
 void ExposedRobot::log_once(const std::string& message) {

@@ -7,6 +7,8 @@
 #include "exposed_node.hpp"
 #include "exposed_task.hpp"
 #include "robot_log.hpp"
+#include "robot_parameters.hpp"
+#include "shown_nodes.hpp"
 
 #include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
@@ -34,6 +36,7 @@ struct ExposedRobotSettings {
   std::string own_task;            ///< which exposes them
   std::string own_node;            ///< "/robot/exposure": as which it is seen itself
   std::shared_ptr<Rosout> rosout;  ///< where the robot's log goes; nullptr: nowhere
+  std::shared_ptr<MessageWriter> parameter_events;
 };
 
 /// The tasks of a robot as nodes of ROS 2, in threads of its own: connects with the robot, follows which
@@ -43,7 +46,7 @@ class ExposedRobot {
   /// `changed` is called in one of these threads when trouble() may be another one.
   ExposedRobot(std::shared_ptr<Participant> participant, ExposedRobotSettings settings, ExposureRules rules,
                std::function<void()> changed);
-  /// Withdraws all nodes. Requests in progress are waited for.
+  /// Withdraws all nodes. Waits for nobody: requests in progress are given up.
   ~ExposedRobot();
   ExposedRobot(const ExposedRobot&) = delete;
   ExposedRobot& operator=(const ExposedRobot&) = delete;
@@ -68,6 +71,8 @@ class ExposedRobot {
     std::shared_ptr<Inbox> inbox;
     std::map<std::string, Node> nodes{};  ///< by task
     std::uint64_t last_number = 0;
+    std::unique_ptr<RobotLog> log{};
+    std::unique_ptr<RobotParameters> parameters{};
   };
 
   void run(const std::stop_token& stop);
@@ -95,7 +100,7 @@ class ExposedRobot {
   std::set<std::string> said_;  ///< by the thread alone
   mutable segue::Mutex mutex_;
   std::string trouble_ SEGUE_GUARDED_BY(mutex_);
-  RobotLog::Nodes nodes_ SEGUE_GUARDED_BY(mutex_);
+  ShownNodes nodes_ SEGUE_GUARDED_BY(mutex_);
   std::jthread thread_;
 };
 

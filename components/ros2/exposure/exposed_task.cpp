@@ -38,8 +38,9 @@ segue::control::Sender ExposedTask::sender() const {
 }
 
 Value ExposedTask::report() const {
-  auto report = robot_->task(id_);
+  auto report = robot_->task(id_, segue::Wait(segue::TimePoint::max(), stop_));
   if (report) return std::move(*report);
+  if (report.error().code == ErrorCode::Cancelled) return {};
   rules_.log(segue::LogLevel::Warning,
              "task " + segue::quote(id_) + " cannot be asked: " + segue::to_string(report.error()));
   return {};

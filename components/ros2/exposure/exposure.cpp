@@ -38,17 +38,12 @@ class Exposure final : public NodeTask {
     if (auto joined = join(); !joined) return joined;
     settings->own_task = id();
     settings->own_node = node_name();
-    std::vector<segue::ros2::Gid> publishers;
-    if (*log_) {
-      auto made = Rosout::make(shared_participant());
-      if (!made) {
-        leave();
-        return made.error();
-      }
-      settings->rosout = std::move(*made);
-      publishers.push_back(settings->rosout->publisher());
+    auto publishers = open_topics(*settings);
+    if (!publishers) {
+      leave();
+      return publishers.error();
     }
-    announce(std::move(publishers), {});
+    announce(std::move(*publishers), {});
     settings_ = std::move(*settings);
     return {};
   }
@@ -110,6 +105,25 @@ class Exposure final : public NodeTask {
                              " is not valid: expected letters, digits and '_', with '/' between them");
     }
     return settings;
+  }
+
+  /// The topics that the nodes of all tasks share.
+  segue::Result<std::vector<segue::ros2::Gid>> open_topics(ExposedRobotSettings& settings) const {
+    constexpr std::uint32_t kEventDepth = 1000;  // rmw_qos_profile_parameter_events
+    segue::ros2::Quality quality;
+    quality.depth = kEventDepth;
+    segue::ros2::InterfaceLibrary library;
+    auto events = MessageWriter::make(shared_participant(), library, "/parameter_events",
+                                      "rcl_interfaces/msg/ParameterEvent", quality);
+    if (!events) return events.error();
+    settings.parameter_events = std::move(*events);
+    std::vector<segue::ros2::Gid> publishers = {settings.parameter_events->gid()};
+    if (!*log_) return publishers;
+    auto rosout = Rosout::make(shared_participant());
+    if (!rosout) return rosout.error();
+    settings.rosout = std::move(*rosout);
+    publishers.push_back(settings.rosout->publisher());
+    return publishers;
   }
 
   /// Why the robot is not reached now.

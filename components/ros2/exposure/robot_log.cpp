@@ -44,13 +44,6 @@ LogLevel log_level(std::string_view text) {
   return LogLevel::Info;
 }
 
-std::uint64_t number_of_line(const Value& line) {
-  const Value* number = line.find("number");
-  return number == nullptr || number->kind() != Value::Kind::Int
-             ? 0
-             : static_cast<std::uint64_t>(number->as_int());
-}
-
 /// Less, where it is stopped.
 void pause_for(std::chrono::milliseconds time, const std::stop_token& stop) {
   segue::Mutex mutex;
@@ -62,7 +55,7 @@ void pause_for(std::chrono::milliseconds time, const std::stop_token& stop) {
 }  // namespace
 
 RobotLog::RobotLog(std::shared_ptr<segue::control::RobotService> robot, std::shared_ptr<Rosout> rosout,
-                   std::string own_node, std::function<Nodes()> nodes)
+                   std::string own_node, std::function<ShownNodes()> nodes)
     : robot_(std::move(robot)),
       rosout_(std::move(rosout)),
       own_node_(std::move(own_node)),
@@ -83,19 +76,19 @@ void RobotLog::run(const std::stop_token& stop) {
 void RobotLog::publish_all(const std::stop_token& stop) {
   spaced_ = 0;
   publish_events(stop);
-  const Nodes nodes = nodes_();
+  const ShownNodes nodes = nodes_();
   std::erase_if(last_, [&](const auto& one) { return !nodes.contains(one.first); });
   for (const auto& [task, node] : nodes) {
     if (stop.stop_requested()) return;
-    publish_lines(task, node, stop);
+    publish_lines(task, node.name, stop);
   }
 }
 
 void RobotLog::publish_events(const std::stop_token& stop) {
-  const auto events = robot_->events(last_event_, segue::Duration(0));
+  const auto events = robot_->events(last_event_, segue::Wait(segue::monotonic_now(), stop));
   if (!events) return;
   for (const Value& event : events->as_list()) {
-    last_event_ = number_of_line(event);
+    last_event_ = number_of(event);
     const LogTime time = log_time(event.find("time")->as_string());
     if (time < since_) continue;
     const LogLevel level = *event.find("trouble") == Value(true) ? LogLevel::Warning : LogLevel::Info;
@@ -106,21 +99,28 @@ void RobotLog::publish_events(const std::stop_token& stop) {
 }
 
 void RobotLog::publish_lines(const std::string& task, const std::string& node, const std::stop_token& stop) {
-  const auto report = robot_->task(task);
+  const auto report = robot_->task(task, segue::Wait(segue::TimePoint::max(), stop));
   const Value* log = report ? report->find("log") : nullptr;
   if (log == nullptr) return;
   Position& last = last_[task];
   const Value* pid = report->find("pid");
   if (pid != nullptr && pid->is_integer() && pid->as_int() != last.pid) last = {pid->as_int(), 0};
   for (const Value& line : log->as_list()) {
-    if (number_of_line(line) <= last.number) continue;
-    last.number = number_of_line(line);
+    if (number_of(line) <= last.number) continue;
+    last.number = number_of(line);
     const LogTime time = log_time(line.find("time")->as_string());
     if (time < since_) continue;
     publish({time, log_level(line.find("level")->as_string()), logger_of(node),
              line.find("message")->as_string()},
             stop);
   }
+}
+
+std::uint64_t number_of(const Value& line) {
+  const Value* number = line.find("number");
+  return number == nullptr || number->kind() != Value::Kind::Int
+             ? 0
+             : static_cast<std::uint64_t>(number->as_int());
 }
 
 void RobotLog::publish(const Rosout::Line& line, const std::stop_token& stop) {

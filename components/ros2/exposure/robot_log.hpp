@@ -2,6 +2,7 @@
 #pragma once
 
 #include "rosout.hpp"
+#include "shown_nodes.hpp"
 
 #include <segue/control/robot_service.hpp>
 
@@ -21,11 +22,9 @@ namespace ros2 {
 /// robot is asked only while somebody reads the topic, since each task costs it a question.
 class RobotLog {
  public:
-  /// The nodes of tasks ("/robot/drive"), by their ids.
-  using Nodes = std::map<std::string, std::string>;
   /// `own_node` is the one whose lines the robot's events are; `nodes` is asked for in the thread.
   RobotLog(std::shared_ptr<segue::control::RobotService> robot, std::shared_ptr<Rosout> rosout,
-           std::string own_node, std::function<Nodes()> nodes);
+           std::string own_node, std::function<ShownNodes()> nodes);
 
  private:
   /// Up to which line of which process a task's have been published.
@@ -42,12 +41,15 @@ class RobotLog {
   const std::shared_ptr<segue::control::RobotService> robot_;
   const std::shared_ptr<Rosout> rosout_;
   const std::string own_node_;
-  const std::function<Nodes()> nodes_;
+  const std::function<ShownNodes()> nodes_;
   std::chrono::system_clock::time_point since_{};  ///< older lines are not published
   std::uint64_t last_event_ = 0;
   std::map<std::string, Position> last_;  ///< by task
   std::size_t spaced_ = 0;                ///< lines of this look that others have waited for
   std::jthread thread_;
 };
+
+/// Of an event, or a line of a log; 0 where it has none.
+std::uint64_t number_of(const segue::type::Value& line);
 
 }  // namespace ros2

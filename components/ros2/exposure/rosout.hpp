@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "../participant/message_writer.hpp"
 #include "../participant/participant.hpp"
 
 #include <segue/base/log.hpp>
-#include <segue/ros2/message_codec.hpp>
 
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace ros2 {
 
@@ -25,14 +26,12 @@ class Rosout {
   static segue::Result<std::unique_ptr<Rosout>> make(const std::shared_ptr<Participant>& participant);
   void publish(const Line& line);
   /// Whether there are subscriptions.
-  [[nodiscard]] bool is_read() const;
-  [[nodiscard]] segue::ros2::Gid publisher() const { return gid_of(writer_->guid()); }
+  [[nodiscard]] bool is_read() const { return writer_->is_read(); }
+  [[nodiscard]] segue::ros2::Gid publisher() const { return writer_->gid(); }
 
  private:
-  Rosout(segue::ros2::MessageCodec codec, Participant::Owned<dds::DataWriter> writer)
-      : codec_(std::move(codec)), writer_(std::move(writer)) {}
-  const segue::ros2::MessageCodec codec_;
-  const Participant::Owned<dds::DataWriter> writer_;
+  explicit Rosout(std::unique_ptr<MessageWriter> writer) : writer_(std::move(writer)) {}
+  const std::unique_ptr<MessageWriter> writer_;
 };
 
 /// The logger of a node: "robot.drive" for "/robot/drive".

@@ -78,12 +78,12 @@ std::vector<std::string> names_in(capnp::List<capnp::Text>::Reader list) {
 
 /// Waits in slices, so that a server that stops does not wait for the longest timeout of its clients.
 Result<Value> wait_for_events(RobotService& service, const std::atomic<bool>& stopping, std::uint64_t after,
-                              TimePoint deadline) {
+                              const Wait& wait) {
   for (;;) {
-    const Duration left = deadline - RealClock::instance().now();
-    auto events = service.events(after, std::clamp(left, Duration(0), kEventSlice));
+    const Duration left = wait.deadline - RealClock::instance().now();
+    auto events = service.events(after, Wait(std::clamp(left, Duration(0), kEventSlice), wait.stop));
     const bool some = events && events->is_list() && !events->as_list().empty();
-    if (!events || some || left <= kEventSlice || stopping) return events;
+    if (!events || some || left <= kEventSlice || stopping || wait.is_stopped()) return events;
   }
 }
 
@@ -377,11 +377,12 @@ class RobotServer final : public DecodingServer<wire::Robot> {
 
   kj::Promise<void> events(EventsContext context) override {
     const auto params = context.getParams();
-    return caller_.answer_value(role_for(Verb::Events), context,
-                                [&service = service_, &stopping = caller_.core().stopping,
-                                 after = params.getAfter(), deadline = deadline_after(params.getWait())] {
-                                  return wait_for_events(service, stopping, after, deadline);
-                                });
+    return caller_.answer_value(
+        role_for(Verb::Events), context,
+        [&service = service_, &stopping = caller_.core().stopping, after = params.getAfter(),
+         deadline = deadline_after(params.getWait())](const std::stop_token& dropped) {
+          return wait_for_events(service, stopping, after, {deadline, dropped});
+        });
   }
 
   kj::Promise<void> history(HistoryContext context) override {

@@ -57,19 +57,20 @@ RpcChannel::~RpcChannel() {
 }
 
 Result<std::shared_ptr<RpcChannel>> RpcChannel::open(const Endpoint& endpoint, const ServiceKind& kind,
-                                                     std::string who, Duration timeout, const Begin& first) {
+                                                     std::string who, Duration timeout, const Begin& first,
+                                                     const std::stop_token& stop) {
   const Limit limit{timeout, RealClock::instance().now() + timeout};
   const auto* path = std::get_if<std::filesystem::path>(&endpoint);
   const auto* tcp = std::get_if<TcpEndpoint>(&endpoint);
-  auto connected =
-      path != nullptr ? connect_socket(*path, timeout) : connect_tcp(tcp->address, limit.deadline);
+  auto connected = path != nullptr ? connect_socket(*path, {limit.deadline, stop})
+                                   : connect_tcp(tcp->address, limit.deadline);
   if (!connected) return connected.error();
   try {
     std::shared_ptr<RpcChannel> channel(new RpcChannel(std::move(who)));
     const auto used = path != nullptr ? channel->use(std::move(*connected), kind.descriptors)
                                       : channel->use(std::move(*connected), *tcp, limit);
     if (!used) return used.error();
-    if (auto greeted = channel->greet(kind.name, limit, first); !greeted) return greeted.error();
+    if (auto greeted = channel->greet(kind.name, limit, first, stop); !greeted) return greeted.error();
     return channel;
   } catch (const std::exception& exception) {
     return fail(ErrorCode::ResourceExhausted, std::string("cannot connect: ") + exception.what());
@@ -119,15 +120,17 @@ void RpcChannel::shake_hands(kj::Own<SecureStream> stream, const Credentials& cr
           }));
 }
 
-Result<void> RpcChannel::greet(std::string_view kind, const Limit& limit, const Begin& first) {
-  const auto greeted = ask(time_left(limit.deadline), [&](Connection& connection) -> Answer {
+Result<void> RpcChannel::greet(std::string_view kind, const Limit& limit, const Begin& first,
+                               const std::stop_token& stop) {
+  const auto begin = [&](Connection& connection) -> Answer {
     auto hello = connection.hello(kind);
     if (!first) return hello;
     return hello.then([more = first(connection)](Result<Value>&& answer) mutable -> Answer {
       if (!answer) return kj::mv(answer);
       return more.then([answer = std::move(answer)]() mutable { return std::move(answer); });
     });
-  });
+  };
+  const auto greeted = ask(time_left(limit.deadline), begin, stop);
   if (greeted) return {};
   // Connecting has taken a part of the time, so the message names the whole.
   return greeted.error().code == ErrorCode::DeadlineExceeded ? silence(limit.whole) : greeted.error();

@@ -59,9 +59,10 @@ class RpcChannel {
   /// Connects and calls hello(). `who` is the name of the other side in messages: "robot 'spot'". `first` is
   /// called in the loop; its requests to the service travel with hello(), so that all of them take one round
   /// trip; its promise is waited for unless hello() is refused. `timeout` is for all of it: name, connection,
-  /// TLS and hello.
+  /// TLS and hello. Cancelled once a stop is requested, but for the first three on TCP.
   static Result<std::shared_ptr<RpcChannel>> open(const Endpoint& endpoint, const ServiceKind& kind,
-                                                  std::string who, Duration timeout, const Begin& first = {});
+                                                  std::string who, Duration timeout, const Begin& first = {},
+                                                  const std::stop_token& stop = {});
   ~RpcChannel();
   RpcChannel(const RpcChannel&) = delete;
   RpcChannel& operator=(const RpcChannel&) = delete;
@@ -107,7 +108,8 @@ class RpcChannel {
   Result<void> use(Descriptor socket, const TcpEndpoint& endpoint, const Limit& limit);
   void shake_hands(kj::Own<SecureStream> stream, const Credentials& credentials, const Limit& limit,
                    const std::shared_ptr<std::promise<Result<void>>>& done);
-  Result<void> greet(std::string_view kind, const Limit& limit, const Begin& first);
+  Result<void> greet(std::string_view kind, const Limit& limit, const Begin& first,
+                     const std::stop_token& stop);
   [[nodiscard]] Error silence(Duration timeout) const;
   [[nodiscard]] Error translate(const kj::Exception& exception) const;
 

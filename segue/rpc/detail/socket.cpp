@@ -122,17 +122,17 @@ Result<void> check_peer(int socket) {
                                                std::to_string(::geteuid()));
 }
 
-Result<Descriptor> connect_socket(const std::filesystem::path& path, Duration timeout) {
+Result<Descriptor> connect_socket(const std::filesystem::path& path, const Wait& wait) {
   const auto address = socket_address(path);
   if (!address) return address.error();
   auto socket = new_socket();
   if (!socket) return socket;
-  const TimePoint give_up = RealClock::instance().now() + timeout;
   int reason = connect_once(socket->get(), *address);
-  while (reason == EAGAIN && RealClock::instance().now() < give_up) {
+  while (reason == EAGAIN && RealClock::instance().now() < wait.deadline && !wait.is_stopped()) {
     RealClock::instance().sleep_until(RealClock::instance().now() + kPause);
     reason = connect_once(socket->get(), *address);
   }
+  if (reason == EAGAIN && wait.is_stopped()) return no_longer_wanted();
   if (reason == EAGAIN) {
     return fail(ErrorCode::Unavailable,
                 "the program at " + quote(path.native()) + " does not take new clients");

@@ -4,6 +4,7 @@
 #include <segue/base/clock.hpp>
 #include <segue/base/descriptor.hpp>
 #include <segue/base/result.hpp>
+#include <segue/base/wait.hpp>
 
 #include <filesystem>
 
@@ -36,8 +37,8 @@ class ListeningSocket {
 };
 
 /// Connects. Unavailable where no process listens, PermissionDenied where the server runs as another user
-/// than ours or root. Waits up to `timeout` for a server whose queue is full.
-Result<Descriptor> connect_socket(const std::filesystem::path& path, Duration timeout);
+/// than ours or root. Waits for a server whose queue is full.
+Result<Descriptor> connect_socket(const std::filesystem::path& path, const Wait& wait);
 
 /// Removes a socket without a server; false where there is one.
 bool remove_if_stale(const std::filesystem::path& path);
