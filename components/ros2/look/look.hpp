@@ -22,7 +22,7 @@ struct Look {
   bool all = false;                  ///< all nodes are asked
   bool containers = false;           ///< all containers are asked for their components
   bool types = false;                ///< and for types that are not built in
-  bool brief = false;  ///< for names only: it ends when no more nodes are found, and looks for no processes
+  bool brief = false;  ///< for names only: it ends when nothing more is found, and looks for no processes
 };
 
 /// The request of the program segue-ros2, a map of these by their names; durations are texts ("3s").
