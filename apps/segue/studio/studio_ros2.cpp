@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "studio_ros2.hpp"
 
-#include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -40,13 +38,7 @@ Result<Value> look_for_pages(const web::Ros2Place& place, const Wait& wait) {
   options.discovery = place.discovery;
   options.most_output = kMostToldToPages;
   auto seen = look_at_ros2(options, Value::map({{"all", true}}), wait);
-  if (!seen) return seen;
-  prepare_for_pages(*seen);
-  const char* environment = std::getenv("ROS_DOMAIN_ID");
-  const std::string domain = options.domain ? std::to_string(*options.domain)
-                             : environment == nullptr || *environment == '\0' ? "0"
-                                                                              : environment;
-  seen->as_map().set("domain", domain);
+  if (seen) prepare_for_pages(*seen);
   return seen;
 }
 

@@ -255,7 +255,8 @@ Result<Value> look(const Look& request, const std::stop_token& stop) {
     if (is_named(request, nodes[i])) ask(interview, nodes[i].as_map());
   });
   if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "the look was stopped");
-  return Value::map({{"nodes", Value(std::move(nodes))},
+  return Value::map({{"domain", std::int64_t{settings->domain}},
+                     {"nodes", Value(std::move(nodes))},
                      {"topics", Value(segue::ros2::describe_topics(graph))},
                      {"problems", Value(std::move(problems))}});
 }

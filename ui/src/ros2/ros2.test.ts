@@ -15,7 +15,7 @@ const status = {
   },
 };
 const seen: Ros2Seen = {
-  domain: '7', place: { domain: 7, discovery: '' }, places: [], nodes: [], topics: [],
+  domain: 7, place: { domain: 7, discovery: '' }, places: [], nodes: [], topics: [],
   tasks: { lidar: { name: '/robot/lidar', node: '' }, 'front.cam': { node: '' }, voice: { node: 'robot/speaker' }, show: {} },
 };
 

@@ -5,7 +5,7 @@ import type { Status } from '../robot/types';
 /** A look at ROS 2, as the studio answers `look_at_ros2` (segue/web/ros2_looks.hpp). */
 export interface Ros2Seen {
   /** The domain that was looked at. */
-  domain: string;
+  domain: number;
   place: Place;
   /** Those of the robot's tasks. */
   places: Place[];
