@@ -4,15 +4,13 @@
 #include "../participant/node_task.hpp"
 #include "../participant/types.hpp"
 #include "../topics/topic_ports.hpp"
-#include "parameter_client.hpp"
-#include "parameter_watch.hpp"
+#include "node_parameters.hpp"
 #include "started_node.hpp"
 
 #include <segue/task/sub_state.hpp>
 
 #include <chrono>
 #include <memory>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,15 +65,7 @@ class NodeProxy : public NodeTask {
 
  private:
   static segue::Result<void> check_topics(const segue::type::Value& topics, std::string_view path);
-  segue::Result<void> make_parameter_client();
-  /// Where there are parameters: from here on others' changes of them are noticed.
-  segue::Result<void> watch_parameters();
-  /// They are as the property says.
-  void expect_parameters(const segue::type::Value& request);
-  [[nodiscard]] std::vector<std::string> changed_parameters() const;
-  /// Logs each that is new and not from the last second, in which it may be on its way still.
-  void say_changed_parameters();
-  segue::Result<void> request_parameters(const segue::type::Value& parameters, segue::TimePoint deadline);
+  segue::Result<void> open_parameters();
   segue::Result<void> set_live(const segue::type::Value& parameters);
   [[nodiscard]] segue::Result<TopicPorts::Wanted> wanted_ports() const;
   segue::Result<void> trigger_looks();
@@ -129,15 +119,12 @@ class NodeProxy : public NodeTask {
       *this,
       "changed_parameters",
       {},
-      [this] { return changed_parameters(); },
+      [this] { return node_parameters_.changed(); },
       segue::task::RunsIn::TaskThread,
       "parameters that others have changed, of those that the controller has set"};
   TopicPorts ports_;
   std::unique_ptr<StartedNode> started_;
-  std::unique_ptr<ParameterClient> parameter_client_;
-  std::unique_ptr<ParameterWatch> parameter_watch_;
-  std::set<std::string> changed_before_;      ///< at the last look
-  std::set<std::string> said_;                ///< of changed parameters
+  NodeParameters node_parameters_;
   std::vector<const Requester*> requesters_;  ///< of the node's services, beside those for parameters
   segue::Descriptor timer_;
 };

@@ -167,8 +167,6 @@ Result<void> StartedNode::load(const std::shared_ptr<Participant>& participant, 
     *requester = std::move(*made);
     (*requester)->allow(true);
   }
-  auto parameters = segue::ros2::parameters_request(start.parameters, "parameters");
-  if (!parameters) return parameters.error();
   const NodeName name = split(start.name);
   watch([this] { load_->allow(false); });
   auto response = load_->call(Value::map({{"package_name", start.process.package},
@@ -176,7 +174,7 @@ Result<void> StartedNode::load(const std::shared_ptr<Participant>& participant, 
                                           {"node_name", name.name},
                                           {"node_namespace", name.name_space},
                                           {"remap_rules", texts(start.process.remappings)},
-                                          {"parameters", *parameters->find("parameters")}}),
+                                          {"parameters", *start.request.find("parameters")}}),
                               deadline);
   stop_watching();
   if (const std::string ended = end(); !ended.empty())

@@ -22,6 +22,7 @@ struct NodeStart {
   std::string name;  ///< "/robot/talker"
   ProcessSettings process;
   segue::type::Value parameters;  ///< a map, as parameters_request() takes it
+  segue::type::Value request;     ///< what that makes of it
 };
 
 /// InvalidArgument where the settings contradict each other or name a file in place of a package or a
