@@ -85,6 +85,10 @@ ErrorCode code_named(std::string_view name) {
 
 }  // namespace
 
+bool can_look_at_ros2() {
+  return find_look_program().has_value();
+}
+
 Result<Value> look_at_ros2(const Ros2SystemOptions& options, Value request, const Wait& wait) {
   const auto program = options.program.empty() ? find_look_program() : options.program;
   if (!program) return program.error();

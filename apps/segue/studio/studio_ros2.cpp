@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "studio_ros2.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "../ros2/ros2_look.hpp"
@@ -18,6 +20,16 @@ using type::Value;
 constexpr std::size_t kMostToldToPages = std::size_t{5} << 20;
 
 }  // namespace
+
+bool is_ros2_used(const std::filesystem::path& installations) {
+  for (const char* name : {"ROS_DISTRO", "AMENT_PREFIX_PATH", "ROS_DOMAIN_ID"}) {
+    const char* value = std::getenv(name);
+    if (value != nullptr && *value != '\0') return true;
+  }
+  std::error_code unreadable;
+  const std::filesystem::directory_iterator first(installations, unreadable);
+  return first != std::filesystem::directory_iterator();
+}
 
 void prepare_for_pages(Value& seen) {
   for (Value& node : seen.as_map().find("nodes")->as_list()) {

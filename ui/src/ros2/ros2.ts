@@ -90,6 +90,12 @@ export function seenIn(answer: Json): Ros2Seen | null {
   return isMap(answer) && Array.isArray(answer['nodes']) && Array.isArray(answer['topics']) && isMap(answer['tasks']) ? (answer as unknown as Ros2Seen) : null;
 }
 
+/** Whether the robot has, or can have, tasks of ROS 2. */
+export function hasRos2(status: Pick<Status, 'tasks' | 'libraries'> | null): boolean {
+  if (!status) return false;
+  return (status.libraries ?? []).includes('segue_components_ros2') || Object.values(status.tasks).some(({ component }) => component.startsWith('ros2::'));
+}
+
 const proxies = ['ros2::Node', 'ros2::ManagedNode'];
 const plain = (id: string) => id.replace(/[^A-Za-z0-9_]/g, '_');
 const rooted = (name: string) => (name.startsWith('/') ? name : '/' + name);
