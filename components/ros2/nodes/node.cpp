@@ -53,7 +53,7 @@ class Node final : public NodeProxy {
   void on_cleanup() override { leave_all(); }
 
  private:
-  [[nodiscard]] bool is_seen() const { return shared_participant()->sees_node(node()); }
+  [[nodiscard]] bool is_seen() const { return sees_node(); }
 
   /// Starts the node, or finds it and sets its parameters, where this is the time for it.
   segue::Result<void> begin(bool is_time, segue::TimePoint end) {

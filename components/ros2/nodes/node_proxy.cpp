@@ -134,6 +134,10 @@ Result<void> NodeProxy::open_parameters() {
   return {};
 }
 
+bool NodeProxy::sees_node() const {
+  return shared_participant()->sees_node(*name_, started_ ? started_->seen_before() : 0);
+}
+
 segue::Error NodeProxy::cause_of(segue::Error failure) const {
   const std::string end = end_of_process();
   if (end.empty()) return failure;

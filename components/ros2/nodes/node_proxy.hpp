@@ -52,6 +52,9 @@ class NodeProxy : public NodeTask {
   void look_now() const;
 
   [[nodiscard]] bool starts_node() const { return !process_->is_empty(); }
+  /// Whether the node is seen; of one that was started here, not that of a process before, which is known for
+  /// a while after its end.
+  [[nodiscard]] bool sees_node() const;
   /// Empty while it runs, and where it was not started here.
   [[nodiscard]] std::string end_of_process() const { return started_ ? started_->end() : std::string(); }
   [[nodiscard]] StartedNode* started() { return started_.get(); }

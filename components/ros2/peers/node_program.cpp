@@ -214,8 +214,8 @@ void wait_for_end() {
 
 int talk(const Arguments& node) {
   const auto peer = make_fast_peer(domain());
-  peer->announce(node.name);
   note_node(node);
+  peer->announce(node.name);
   wait_for_end();
   note(node.name + ".end", "by SIGINT");
   return 0;
