@@ -47,10 +47,13 @@ class Node final : public NodeProxy {
 
   void on_stop() override {
     close_ports();
-    if (!*ahead_) finish_node();
+    if (starts_node() && !*ahead_) finish_node();
   }
 
-  void on_cleanup() override { leave_all(); }
+  void on_cleanup() override {
+    if (is_seen()) give_parameters_back();
+    leave_all();
+  }
 
  private:
   [[nodiscard]] bool is_seen() const { return sees_node(); }

@@ -118,12 +118,22 @@ Result<void> NodeProxy::set_parameters(segue::TimePoint deadline) {
   return done ? done : cause_of(std::move(done.error()));
 }
 
+void NodeProxy::give_parameters_back() {
+  if (starts_node()) return;
+  if (auto done = node_parameters_.give_back(deadline()); !done)
+    log(segue::LogLevel::Warning,
+        "node " + *name_ + " keeps the parameters that this task has set: " + segue::to_string(done.error()));
+}
+
 Result<void> NodeProxy::set_live(const Value& parameters) {
   if (auto wanted = node_parameters_.want(parameters); !wanted) return wanted;
   if (starts_node() && !started_) return {};  // it gets them when it is started
   auto done = node_parameters_.is_complete() ? Result<void>() : open_parameters();
   if (done) done = set_parameters(deadline());
   if (!done) static_cast<void>(node_parameters_.want(parameters_.value()));
+  for (const std::string& name : done ? node_parameters_.kept() : std::vector<std::string>())
+    log(segue::LogLevel::Warning, "node " + *name_ + " keeps parameter " + name +
+                                      ", which is not named any more: its value before is not known");
   return done;
 }
 

@@ -36,6 +36,9 @@ class NodeProxy : public NodeTask {
   void finish_node();
   /// After start_node(): sets the parameters of a node that was not started here, where there are any.
   segue::Result<void> set_parameters(segue::TimePoint deadline);
+  /// Gives parameters of a node that was not started here the values that they had before. What does not work
+  /// is logged. For a node that answers, else it waits.
+  void give_parameters_back();
   /// In place of a failure that comes of it: how the node's process has ended.
   [[nodiscard]] segue::Error cause_of(segue::Error failure) const;
 

@@ -3,8 +3,10 @@
 #include "../participant/participant.hpp"
 #include "../topics/topics_test_support.hpp"
 
+#include <segue/task/realtime_log.hpp>
 #include <segue/type/yaml.hpp>
 
+#include <support/logged_lines.hpp>
 #include <support/paths.hpp>
 #include <support/ros2_installation.hpp>
 
@@ -72,6 +74,21 @@ TEST_F(StartedNodes, AreConfiguredStartedStoppedAndEnded) {
   ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
   EXPECT_EQ(noted("planner.end"), "by SIGINT");
   EXPECT_TRUE(is_gone(pid));
+}
+
+TEST_F(StartedNodes, KeepParametersWithWhichTheyWereStarted) {
+  segue::testing::LoggedLines lines;
+  const segue::task::RealtimeLogDrain drain;
+  RunningTask task("ros2::ManagedNode");
+  auto values = node("managed");
+  values["parameters"] = Value::map({{"rate", 10}});
+  task.run(values);
+  const auto set = [&](const Value& parameters) {
+    return error_of(task.task().set_properties(Value::map({{"parameters", parameters}}), soon()));
+  };
+  EXPECT_EQ(set(Value::map({{"rate", 20}})), "");
+  EXPECT_EQ(set(Value::map({})), "");
+  EXPECT_TRUE(lines.has({"node /planner keeps parameter rate, which is not named any more"}));
 }
 
 TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
