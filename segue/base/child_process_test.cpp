@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <segue/base/child_process.hpp>
+#include <segue/base/pipe.hpp>
+#include <support/eventually.hpp>
 
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <csignal>
 #include <cstdlib>
 
@@ -16,27 +17,22 @@ namespace {
 
 /// The output of a shell command to descriptor 3, the only one that it has besides the standard three.
 std::string said(const std::string& command) {
-  std::array<int, 2> ends{};
-  EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
-  const Descriptor reader(ends[0]);
+  auto pipe = make_pipe().value();
   pid_t pid = 0;
   {
-    const Descriptor writer(ends[1]);
     ChildProcess shell(4);
     for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
       EXPECT_TRUE(shell.open_null(number));
-    EXPECT_TRUE(shell.hand_over(writer.get(), 3));
+    EXPECT_TRUE(shell.hand_over(pipe.write.get(), 3));
     shell.set_environment({{"SEGUE_TEST", "given"}});
     const auto started = shell.start("sh", {"sh", "-c", command});
     EXPECT_TRUE(started) << to_string(started.error());
     pid = *started;
   }
-  std::string text;
-  std::array<char, 256> some{};
-  for (ssize_t count = 0; (count = ::read(reader.get(), some.data(), some.size())) > 0;)
-    text.append(some.data(), static_cast<std::size_t>(count));
+  pipe.write = Descriptor();
+  const auto text = read_to_end(pipe.read, segue::testing::kPatience);
   EXPECT_EQ(::waitpid(pid, nullptr, 0), pid);
-  return text;
+  return text.value();
 }
 
 TEST(ChildProcess, HasTheDescriptorsAndTheEnvironmentThatItIsGiven) {

@@ -59,13 +59,18 @@ void NodeGraph::remove(const Gid& endpoint) {
 
 void NodeGraph::add_participant(const Gid& participant, std::vector<UdpAddress> addresses) {
   const Lock lock(mutex_);
-  SeenParticipant& seen = participants_[participant];
-  seen.entities.participant = participant;
-  seen.addresses = std::move(addresses);
+  found(participant).addresses = std::move(addresses);
 }
 
-void NodeGraph::forget_nodes(const Gid& participant) {
-  for (const NodeEntities& node : participants_[participant].entities.nodes) {
+SeenParticipant& NodeGraph::found(const Gid& participant) {
+  SeenParticipant& seen = participants_[participant];
+  seen.entities.participant = participant;
+  if (seen.number == 0) seen.number = ++seen_so_far_;
+  return seen;
+}
+
+void NodeGraph::forget_nodes(const SeenParticipant& participant) {
+  for (const NodeEntities& node : participant.entities.nodes) {
     for (const auto* gids : {&node.subscriptions, &node.publishers}) {
       for (const Gid& gid : *gids)
         nodes_.erase(gid);
@@ -75,14 +80,17 @@ void NodeGraph::forget_nodes(const Gid& participant) {
 
 void NodeGraph::remove_participant(const Gid& participant) {
   const Lock lock(mutex_);
-  forget_nodes(participant);
-  participants_.erase(participant);
+  const auto known = participants_.find(participant);
+  if (known == participants_.end()) return;
+  forget_nodes(known->second);
+  participants_.erase(known);
 }
 
 void NodeGraph::set(const ParticipantEntities& entities) {
   const Lock lock(mutex_);
-  forget_nodes(entities.participant);
-  participants_[entities.participant].entities = entities;
+  SeenParticipant& participant = found(entities.participant);
+  forget_nodes(participant);
+  participant.entities = entities;
   for (const NodeEntities& node : entities.nodes) {
     for (const auto* gids : {&node.subscriptions, &node.publishers}) {
       for (const Gid& gid : *gids)
@@ -117,10 +125,15 @@ std::string NodeGraph::node_of(const Gid& endpoint) const {
   return found == nodes_.end() ? std::string() : found->second;
 }
 
-bool NodeGraph::has_node(std::string_view name, const Gid& own) const {
+std::uint64_t NodeGraph::seen_so_far() const {
+  const Lock lock(mutex_);
+  return seen_so_far_;
+}
+
+bool NodeGraph::has_node(std::string_view name, const Gid& own, std::uint64_t after) const {
   const Lock lock(mutex_);
   return std::ranges::any_of(participants_, [&](const auto& each) {
-    return each.first != own &&
+    return each.first != own && each.second.number > after &&
            std::ranges::any_of(each.second.entities.nodes,
                                [&](const NodeEntities& node) { return full_name(node) == name; });
   });

@@ -40,6 +40,7 @@ struct UdpAddress {
 struct SeenParticipant {
   ParticipantEntities entities;
   std::vector<UdpAddress> addresses{};
+  std::uint64_t number = 0;  ///< NodeGraph::seen_so_far() when it was found
 };
 
 /// All that is known at one time.
@@ -72,8 +73,11 @@ class NodeGraph {
   [[nodiscard]] std::vector<Endpoint> endpoints(std::string_view dds_topic, bool publishes) const;
   /// "/talker"; empty where no node says that the endpoint is its own.
   [[nodiscard]] std::string node_of(const Gid& endpoint) const;
-  /// Whether another participant than `own` has a node of that name ("/talker").
-  [[nodiscard]] bool has_node(std::string_view name, const Gid& own) const;
+  /// How many participants have been found, including those that have left. One that comes back counts again.
+  [[nodiscard]] std::uint64_t seen_so_far() const;
+  /// Whether another participant than `own` has a node of that name ("/talker"); of those that have been
+  /// found after so many others.
+  [[nodiscard]] bool has_node(std::string_view name, const Gid& own, std::uint64_t after = 0) const;
   [[nodiscard]] GraphSnapshot snapshot() const;
 
   static constexpr std::size_t kMostMismatches = 100;
@@ -86,9 +90,12 @@ class NodeGraph {
   std::map<Gid, Endpoint> endpoints_ SEGUE_GUARDED_BY(mutex_);
   /// Each task looks at its topic whenever something changes.
   std::map<std::string, std::set<Gid>, std::less<>> of_topic_ SEGUE_GUARDED_BY(mutex_);
-  void forget_nodes(const Gid& participant) SEGUE_REQUIRES(mutex_);
+  /// It, which may be found only now.
+  SeenParticipant& found(const Gid& participant) SEGUE_REQUIRES(mutex_);
+  void forget_nodes(const SeenParticipant& participant) SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool is_of_ros(const Gid& endpoint) const;
 
+  std::uint64_t seen_so_far_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::map<Gid, SeenParticipant> participants_ SEGUE_GUARDED_BY(mutex_);
   std::map<Gid, std::string> nodes_ SEGUE_GUARDED_BY(mutex_);  ///< by endpoint
 };

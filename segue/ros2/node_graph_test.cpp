@@ -272,5 +272,27 @@ TEST(NodeGraph, ForgetsNodesWithTheirParticipant) {
   EXPECT_EQ(graph.node_of(gid(2)), "");
 }
 
+TEST(NodeGraph, KnowsWhichParticipantsWereFoundAfterOthers) {
+  NodeGraph graph;
+  const auto finds = [&](std::uint8_t participant) {
+    graph.add_participant(gid(participant));
+    graph.set(ParticipantEntities{gid(participant), {{"/", "talker", {}, {}}}});
+  };
+  finds(1);
+  finds(2);
+  finds(1);
+  const std::uint64_t before = graph.seen_so_far();
+  EXPECT_EQ(before, 2U);
+  EXPECT_TRUE(graph.has_node("/talker", gid(51)));
+  EXPECT_FALSE(graph.has_node("/talker", gid(51), before)) << "those were there";
+  finds(3);
+  EXPECT_TRUE(graph.has_node("/talker", gid(51), before));
+  graph.remove_participant(gid(3));
+  EXPECT_FALSE(graph.has_node("/talker", gid(51), before));
+  graph.remove_participant(gid(1));
+  finds(1);
+  EXPECT_TRUE(graph.has_node("/talker", gid(51), before)) << "it has come back";
+}
+
 }  // namespace
 }  // namespace segue::ros2

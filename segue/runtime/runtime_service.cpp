@@ -7,6 +7,7 @@
 #include <segue/journal/past.hpp>
 #include <segue/model/files.hpp>
 #include <segue/model/validate.hpp>
+#include <segue/runtime/component_libraries.hpp>
 #include <segue/runtime/runtime_lease.hpp>
 #include <segue/runtime/runtime_report.hpp>
 
@@ -89,9 +90,9 @@ Result<type::Value> RuntimeService::status(const Wait& wait) {
   }
   type::Value status = status_of(runtime_);
   status.as_map().set("file", files_ != nullptr ? type::Value(files_->file().string()) : type::Value());
+  status.as_map().set("libraries", component_libraries(runtime_.components()));
   status.as_map().set("pid", static_cast<std::int64_t>(::getpid()));
-  const Duration uptime = RealClock::instance().now() - started_;
-  status.as_map().set("uptime_s", std::chrono::duration<double>(uptime).count());
+  status.as_map().set("uptime_s", std::chrono::duration<double>(monotonic_now() - started_).count());
   type::Value::List changed;
   for (const auto& change :
        files_ != nullptr ? files_->changes(runtime_.files()) : std::vector<FileChange>{}) {

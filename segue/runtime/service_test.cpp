@@ -141,6 +141,21 @@ TEST_F(Service, AnswersASwitchWithItsOutcome) {
   EXPECT_FALSE(service_.events(0, {})->as_list().empty());
 }
 
+TEST(ServiceOfComponents, TellsTheirLibrariesOnce) {
+  model::ComponentCatalog catalog;
+  for (const char* name : {"ros2::Node", "ros2::Publisher"}) {
+    model::ComponentModel model;
+    model.name = model::ComponentName(name);
+    model.library = "segue_components_ros2";
+    catalog.add(std::move(model));
+  }
+  task_host::LibrarySet libraries;
+  task_host::LocalTaskHost host{libraries, catalog, {}};
+  Runtime runtime("robot", host, catalog);
+  RuntimeService service(runtime, nullptr, [] {});
+  EXPECT_EQ(*service.status()->find("libraries"), type::Value::list({"segue_components_ros2"}));
+}
+
 TEST_F(Service, WithoutFilesThereIsNothingToPlanOrApply) {
   const auto planned = service_.plan("", {}, soon());
   ASSERT_FALSE(planned);

@@ -17,6 +17,12 @@ Value error_value(const Error& error) {
   return Value::map({{"code", to_string(error.code)}, {"message", to_string(error)}});
 }
 
+Value greeting_of(const Session::Identity& identity) {
+  Value greeting = Value::map({{"role", to_string(identity.role)}, {"robot", identity.robot}});
+  if (identity.ros2) greeting.as_map().set("ros2", true);
+  return greeting;
+}
+
 }  // namespace
 
 std::shared_ptr<Session> Session::create(Hub& hub, Verbs& verbs, Identity identity,
@@ -26,8 +32,7 @@ std::shared_ptr<Session> Session::create(Hub& hub, Verbs& verbs, Identity identi
 
 Session::Session(Hub& hub, Verbs& verbs, Identity identity, std::function<void()> ready)
     : hub_(hub), verbs_(verbs), identity_(std::move(identity)), ready_(std::move(ready)) {
-  answers_.push_back(
-      type::to_json(Value::map({{"role", to_string(identity_.role)}, {"robot", identity_.robot}}), -1));
+  answers_.push_back(type::to_json(greeting_of(identity_), -1));
 }
 
 Session::~Session() {

@@ -22,7 +22,7 @@ namespace segue::web {
 using control::Role;
 
 /// One browser, whatever carries its messages. It gets
-///   {"role", "robot"}                                 first,
+///   {"role", "robot", and where it is so "ros2": true} first,
 ///   {"document", "version", "skipped", "value" or "change" (from the version that it got before), "error"},
 ///   {"id", "result"} or {"id", "error": {"code", "message"}}.
 /// It is sent the newest version of each document as soon as it has taken the one before; "skipped" says how
@@ -34,6 +34,7 @@ class Session final : public Viewer, public std::enable_shared_from_this<Session
     Role role = Role::Observe;
     std::string robot{};  ///< its name
     std::string who{};    ///< for logs and the robot's journal
+    bool ros2 = false;    ///< ServerOptions::has_ros2
   };
   static constexpr std::size_t kMostDocuments = 64;
   /// Answers that the browser has not taken; while there are so many, it should not be read from.

@@ -73,6 +73,11 @@ TEST_F(SessionTest, VerbsAreAnsweredUnderTheirNumber) {
   EXPECT_EQ(*message(*session, "id").find("result")->find("dry_run"), Value(true));
 }
 
+TEST_F(SessionTest, ABrowserIsToldThatThereIsRos2) {
+  const auto session = Session::create(hub_, verbs_, {Role::Observe, "fake", "somebody", true}, [] {});
+  EXPECT_EQ(session->next().value_or(""), R"({"role":"observe","robot":"fake","ros2":true})");
+}
+
 TEST_F(SessionTest, EachVerbNeedsItsRole) {
   const std::vector<std::pair<std::string, control::Verb>> verbs = {
       {"status", control::Verb::Status},

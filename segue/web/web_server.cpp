@@ -175,7 +175,8 @@ class Socket final : public Open, public std::enable_shared_from_this<Socket> {
     const std::string who = "segue studio (pid " + std::to_string(::getpid()) + ", " +
                             (person_ ? person_->name : "uid " + std::to_string(::getuid())) + ", browser " +
                             std::to_string(++shared_.sockets) + ")";
-    session_ = Session::create(shared_.hub, shared_.verbs, {role_, shared_.options.robot, who},
+    session_ = Session::create(shared_.hub, shared_.verbs,
+                               {role_, shared_.options.robot, who, shared_.options.has_ros2},
                                [weak = weak_from_this(), &context = shared_.context] {
                                  asio::post(context, [weak] {
                                    if (const auto self = weak.lock()) self->pump();

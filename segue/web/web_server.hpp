@@ -33,6 +33,7 @@ struct ServerOptions {
   ModelsOf models{};          ///< for files that are edited; empty: no component is known
   RunMission run_mission{};   ///< empty: pages start no missions
   LookAtRos2 look_at_ros2{};  ///< empty: pages do not see ROS 2
+  bool has_ros2 = false;      ///< pages offer that look, also for robots that have no components of ROS 2
   /// A browser has come in with the token; this address is for the next one. Called by the server's thread.
   std::function<void(const std::string& address)> entered{};
 };

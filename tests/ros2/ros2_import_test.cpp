@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <sstream>
 #include <string>
 
@@ -65,13 +66,27 @@ TEST_F(RunningRos2, SaysBetweenWhichNodesNoSamplesTravel) {
 }
 
 TEST_F(RunningRos2, IsKnownToCompletion) {
-  EXPECT_TRUE(eventually([&] {
-    return segue({"complete-names", "ros2-nodes"}).output.find("/lidar\n") != std::string::npos;
-  }));
+  for (const auto& [kind, name] : {std::pair{"ros2-nodes", "/lidar\n"}, {"ros2-topics", "/scan\n"}}) {
+    EXPECT_TRUE(eventually([&] {
+      return segue({"complete-names", kind}).output.find(name) != std::string::npos;
+    })) << kind;
+  }
   ::setenv("ROS_DOMAIN_ID", "no number", 1);
-  const auto failed = segue({"complete-names", "ros2-nodes"});
-  EXPECT_EQ(failed.status, 0);
-  EXPECT_EQ(failed.output + failed.errors, "") << "shells show what it says";
+  for (const char* kind : {"ros2-nodes", "ros2-topics"}) {
+    const auto failed = segue({"complete-names", kind});
+    EXPECT_EQ(failed.status, 0);
+    EXPECT_EQ(failed.output + failed.errors, "") << "shells show what it says";
+  }
+}
+
+TEST_F(RunningRos2, HasTopicsThatCanBeNamed) {
+  std::string topics;
+  EXPECT_TRUE(eventually([&] {
+    topics = segue({"ros2", "topics", "/scan", "--wait", "2s"}).output;
+    return topics.find("/lidar") != std::string::npos;
+  })) << topics;
+  EXPECT_EQ(std::ranges::count(topics, '\n'), 2) << "the heading and the topic: " << topics;
+  EXPECT_THAT(segue({"ros2", "topics", "/scam", "--wait", "2s"}).errors, HasSubstr("no topic '/scam'"));
 }
 
 TEST_F(RunningRos2, IsDescribedWithItsTypes) {

@@ -384,9 +384,11 @@ TEST_F(Files, CompletionScriptsLoadAndKnowEveryVerb) {
        "source completion.bash; segue() { test \"$*\" = 'complete-names ros2-nodes' && echo /lidar /slam; }; "
        "COMP_WORDS=(segue ros2 describe /l); COMP_CWORD=3; _segue; echo \"${COMPREPLY[*]}\"; "
        "COMP_WORDS=(segue import ros2 --run); _segue; echo \"${COMPREPLY[*]}\"; "
-       "COMP_WORDS=(segue ros2 nodes ''); _segue; echo \"${COMPREPLY[*]}\""},
+       "COMP_WORDS=(segue ros2 nodes ''); _segue; echo \"${COMPREPLY[*]}\"; "
+       "segue() { test \"$*\" = 'complete-names ros2-topics' && echo /scan /tf; }; "
+       "COMP_WORDS=(segue ros2 topics /s); _segue; echo \"${COMPREPLY[*]}\""},
       folder_);
-  EXPECT_EQ(inner.output, "/lidar\n--running\n\n") << inner.errors;
+  EXPECT_EQ(inner.output, "/lidar\n--running\n\n/scan\n") << inner.errors;
   EXPECT_TRUE(contains(segue({"complete-names", "ros2-interfaces"}).output, "std_srvs/srv/SetBool\n"));
   EXPECT_TRUE(contains(segue({"complete-names", "ros2-packages"}).output, "sensor_msgs\n"));
   const auto zsh = segue({"completion", "zsh"});

@@ -73,6 +73,8 @@ async function lookAtLarge() {
   const server = await servePage(join(dirname(segue), '../share/segue/studio'), 'large', (document, send) => shown[document] && send({ document, version: 1, value: shown[document] }));
   const page = await stage.openBrowser();
   await page.goto(server.address);
+  await page.getByText('300 tasks, 450 connections').waitFor();
+  assert.equal(await page.getByRole('link', { name: 'ROS 2' }).count(), 0, 'neither the robot nor the computer has to do with it');
   for (const view of ['Network', 'Switch', 'Missions', 'Plots', 'Events']) {
     await go(page, view);
     await page.locator('main > *').first().waitFor();

@@ -11,7 +11,7 @@ import { Stage } from './stage.mjs';
 
 const [segue, pictures, minutes = '60'] = process.argv.slice(2);
 const stage = new Stage(segue, pictures);
-const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit'];
+const views = ['Network', 'Switch', 'Missions', 'Plots', 'Events', 'Edit', 'Past', 'ROS 2'];
 const wait = (time) => new Promise((resolve) => setTimeout(resolve, time));
 
 /** Resident memory of a process in MB. */
@@ -45,6 +45,9 @@ async function openViews() {
   const plots = opened.find((one) => one.name === 'Plots').page;
   await addPanel(plots, { fields: { 'laser.scan': ['ranges'] }, title: 'Scan' });
   await addPanel(plots, { fields: { 'drive.velocity': ['forward', 'turn'] }, title: 'Speed' });
+  // The film of a request; and a look at ROS 2.
+  await opened.find((one) => one.name === 'Past').page.locator('[data-request]').first().click();
+  await opened.find((one) => one.name === 'ROS 2').page.locator('[aria-label="ROS 2"][aria-busy=false]').waitFor({ timeout: 120000 });
   return opened;
 }
 

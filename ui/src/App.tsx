@@ -14,6 +14,7 @@ import { PlotsContext, usePlotsOf } from './plots/usePlots';
 import { useConnection, useDocument, useLink } from './robot/hooks';
 import { Skipped } from './robot/Skipped';
 import { statusOf, type Status } from './robot/types';
+import { hasRos2 } from './ros2/ros2';
 import { Ros2View } from './ros2/Ros2View';
 import { SwitchView } from './switch/SwitchView';
 
@@ -77,11 +78,12 @@ function useKnown(): Known {
 
 function Top({ view, known: { status, isOld, skipped } }: { view: View; known: Known }) {
   const connection = useConnection();
+  const isShown = (name: View) => name !== 'ROS 2' || name === view || connection.hasRos2 || hasRos2(status);
   return (
     <header className="top">
       <h1>{connection.robot || 'Segue Studio'}</h1>
       <nav aria-label="Views">
-        {views.map((name, index) => (
+        {views.filter(isShown).map((name, index) => (
           <a key={name} href={'#' + inAddress(name)} aria-current={view === name ? 'page' : undefined} title={'Key ' + (index + 1)}>
             {name}
           </a>

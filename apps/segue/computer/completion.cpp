@@ -14,9 +14,9 @@ namespace segue::cli {
 
 namespace {
 
-/// Verbs whose first argument names a part of the running robot, or a node or an interface of ROS 2, and its
-/// kind for `complete-names`.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kVerbsWithNames = {
+/// Verbs whose first argument names a part of the running robot, or a node, a topic or an interface of ROS 2,
+/// and its kind for `complete-names`.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 19> kVerbsWithNames = {
     {{"switch", "controllers"},
      {"plan", "controllers"},
      {"prepare", "controllers"},
@@ -32,6 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kVerbsWi
      {"call", "operations"},
      {"units", "units"},
      {"ros2 describe", "ros2-nodes"},
+     {"ros2 topics", "ros2-topics"},
      {"ros2 interfaces", "ros2-packages"},
      {"ros2 interface", "ros2-interfaces"},
      {"ros2 headers", "ros2-interfaces"}}};
@@ -214,7 +215,8 @@ std::vector<std::string> unit_names(control::RobotService& robot) {
 
 /// Names of ROS 2, for which no robot is needed.
 std::vector<std::string> ros2_names(std::string_view kind) {
-  if (kind == "ros2-nodes") return ros2_node_names();
+  if (kind == "ros2-nodes") return running_ros2_names("nodes", "name");
+  if (kind == "ros2-topics") return running_ros2_names("topics", "topic");
   return kind == "ros2-packages" ? ros2::standard_packages() : ros2::InterfaceLibrary().names();
 }
 

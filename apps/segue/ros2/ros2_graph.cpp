@@ -102,19 +102,43 @@ void print_mismatches(const Value& topic) {
   }
 }
 
-int list_topics(const Ros2SystemOptions& options, const Context& context) {
-  const auto seen = look_at_ros2(options, Value::map({}));
-  if (!seen) return failed(context, seen.error());
+struct TopicsOptions {
+  Ros2SystemOptions system;
+  std::vector<std::string> topics;  ///< empty: all
+};
+
+/// Those that are named, in that order; all where none are.
+Result<Value::List> choose_topics(const Value::List& seen, const std::vector<std::string>& wanted) {
+  if (wanted.empty()) return seen;
+  std::vector<std::string> names;
+  for (const Value& topic : seen)
+    names.push_back(topic.find("topic")->as_string());
+  Value::List chosen;
+  for (const std::string& name : wanted) {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end())
+      return fail(ErrorCode::NotFound, "no topic " + quote(name) +
+                                           did_you_mean_or_list(name, names, "there are") +
+                                           (names.empty() ? "; no topic was found at all" : ""));
+    chosen.push_back(seen[static_cast<std::size_t>(found - names.begin())]);
+  }
+  return chosen;
+}
+
+int list_topics(const TopicsOptions& options, const Context& context) {
+  const auto seen = look_at_ros2(options.system, Value::map({}));
+  const auto topics = seen ? choose_topics(list_at(*seen, "topics"), options.topics) : seen.error();
+  if (!topics) return failed(context, topics.error());
   if (context.json()) {
-    print_json(*seen->find("topics"));
+    print_json(Value(*topics));
     return kDone;
   }
   Table table({{"TOPIC"}, {"TYPE"}, {"PUBLISHERS"}, {"SUBSCRIPTIONS"}});
-  for (const Value& topic : list_at(*seen, "topics"))
+  for (const Value& topic : *topics)
     table.add({printable_at(topic, "topic"), joined_names(*topic.find("types")),
                joined_names(*topic.find("publishers")), joined_names(*topic.find("subscriptions"))});
   print(table.text());
-  for (const Value& topic : list_at(*seen, "topics"))
+  for (const Value& topic : *topics)
     print_mismatches(topic);
   return kDone;
 }
@@ -275,10 +299,13 @@ void add_ros2_graph(Verb& ros2, Context& context) {
                          "  segue ros2 nodes\n  segue ros2 nodes --domain 7 --wait 10s",
                          [options, &context] { return list_nodes(options->system, context); });
   add_ros2_system_options(nodes, options->system, false);
+  const auto chosen = std::make_shared<TopicsOptions>();
   Verb& topics =
       add_verb(ros2, context, "topics", "list the topics of nodes that run, with the nodes on both sides",
-               "  segue ros2 topics", [options, &context] { return list_topics(options->system, context); });
-  add_ros2_system_options(topics, options->system, false);
+               "  segue ros2 topics\n  segue ros2 topics /scan",
+               [chosen, &context] { return list_topics(*chosen, context); });
+  topics.option("TOPIC", chosen->topics, "these only");
+  add_ros2_system_options(topics, chosen->system, false);
   Verb& describer =
       add_verb(ros2, context, "describe",
                "show a node's topics, services, actions and parameters, and its state where it is managed",

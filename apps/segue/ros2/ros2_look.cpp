@@ -10,9 +10,6 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <string_view>
@@ -29,8 +26,6 @@ constexpr const char* kProgram = "segue-ros2";
 /// wanted any more.
 constexpr Duration kPatienceForEnd = std::chrono::seconds(10);
 constexpr Duration kPatienceForStop = std::chrono::seconds(2);
-/// In which it is looked whether the result is still wanted.
-constexpr Duration kReadPeriod = std::chrono::milliseconds(100);
 
 Result<std::filesystem::path> find_look_program() {
   for (const auto& prefix : install_prefixes()) {
@@ -41,24 +36,14 @@ Result<std::filesystem::path> find_look_program() {
               "the program segue-ros2 is not installed: install the package segue-ros2");
 }
 
-Result<std::string> read_all(int descriptor, std::size_t most, const Wait& wait) {
-  std::string all;
-  std::array<char, 65536> part{};
-  for (;;) {
-    if (wait.is_stopped()) return no_longer_wanted();
-    const TimePoint now = monotonic_now();
-    if (now >= wait.deadline)
-      return fail(ErrorCode::DeadlineExceeded, "the look at ROS 2 has not ended in time, and was stopped");
-    if (!wait_for_input(descriptor, std::min(kReadPeriod, wait.deadline - now))) continue;
-    const ssize_t count = ::read(descriptor, part.data(), part.size());
-    if (count == 0) return all;
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return system_error(kProgram, errno);
-    if (all.size() + static_cast<std::size_t>(count) > most)
-      return fail(ErrorCode::ResourceExhausted, "the nodes of ROS 2 tell more than the " +
-                                                    std::to_string(most >> 20) + " MiB that are taken");
-    all.append(part.data(), static_cast<std::size_t>(count));
-  }
+/// The failure as whoever asked for the look is told of it.
+Error in_words(Error failure, std::size_t most) {
+  if (failure.code == ErrorCode::DeadlineExceeded)
+    failure.message = "the look at ROS 2 has not ended in time, and was stopped";
+  if (failure.code == ErrorCode::ResourceExhausted)
+    failure.message =
+        "the nodes of ROS 2 tell more than the " + std::to_string(most >> 20) + " MiB that are taken";
+  return failure;
 }
 
 /// The copies of the pipes that it makes are closed, but for those of the child.
@@ -83,11 +68,11 @@ Result<std::string> output_of(const std::filesystem::path& program, const std::s
   const auto pid = start(program, argument, *input, *output);
   if (!pid) return pid.error();
   output->write = Descriptor();
-  auto text = read_all(output->read.get(), most, wait);
+  auto text = read_to_end(output->read, wait, most);
   output->read = Descriptor();
   input->write = Descriptor();
   wait_for_end(*pid, text ? kPatienceForEnd : kPatienceForStop);
-  return text;
+  return text ? std::move(text) : in_words(std::move(text.error()), most);
 }
 
 /// The code of that name; Internal where it is not known.
@@ -99,6 +84,10 @@ ErrorCode code_named(std::string_view name) {
 }
 
 }  // namespace
+
+bool can_look_at_ros2() {
+  return find_look_program().has_value();
+}
 
 Result<Value> look_at_ros2(const Ros2SystemOptions& options, Value request, const Wait& wait) {
   const auto program = options.program.empty() ? find_look_program() : options.program;

@@ -23,6 +23,9 @@ struct Ros2SystemOptions {
   std::filesystem::path program;                     ///< that looks; empty: the one that is installed
 };
 
+/// Whether the program that looks is installed.
+bool can_look_at_ros2();
+
 /// The nodes and topics of the running system, as the program segue-ros2 of the package of that name tells
 /// them; it alone loads Fast DDS. `request` names what is asked of nodes: {all: true}, {nodes: [NODE]},
 /// {types: true}, {containers: true}; {brief: true}: names only. Unavailable where the program is not

@@ -15,6 +15,8 @@ using type::Value;
 
 constexpr int kMostDomain = 232;
 constexpr auto kShortLook = std::chrono::milliseconds(500);
+/// Of somebody who waits for a completion.
+constexpr auto kPatienceForNames = std::chrono::seconds(3);
 
 /// Shells expand what they complete.
 bool is_shell_word(std::string_view text) {
@@ -50,13 +52,13 @@ void add_ros2_system_options(Verb& verb, Ros2SystemOptions& options, bool asks) 
       .between(std::chrono::milliseconds(1), kLongestWait);
 }
 
-std::vector<std::string> ros2_node_names() {
+std::vector<std::string> running_ros2_names(std::string_view list, std::string_view key) {
   Ros2SystemOptions options;
   options.wait = kShortLook;
-  const auto seen = look_at_ros2(options, Value::map({{"brief", true}}));
+  const auto seen = look_at_ros2(options, Value::map({{"brief", true}}), kPatienceForNames);
   std::vector<std::string> names;
-  for (const Value& node : seen ? list_at(*seen, "nodes") : Value::List()) {
-    const std::string& name = node.find("name")->as_string();
+  for (const Value& one : seen ? list_at(*seen, list) : Value::List()) {
+    const std::string& name = one.find(key)->as_string();
     if (is_shell_word(name) && name.find("/_") == std::string::npos) names.push_back(name);
   }
   return names;

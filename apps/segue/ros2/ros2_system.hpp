@@ -4,6 +4,7 @@
 #include <segue/type/value.hpp>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "../command.hpp"
@@ -14,8 +15,9 @@ namespace segue::cli {
 /// --domain, --discovery, --wait; and where nodes are asked, --timeout.
 void add_ros2_system_options(Verb& verb, Ros2SystemOptions& options, bool asks);
 
-/// For completion: the names of nodes that a short look finds, but for hidden ones; none where it fails.
-std::vector<std::string> ros2_node_names();
+/// For completion: the names of what a short look finds, but for hidden ones; none where it fails. `list` and
+/// `key` are those of its result: "nodes" and "name", "topics" and "topic".
+std::vector<std::string> running_ros2_names(std::string_view list, std::string_view key);
 
 /// Says on standard error what of the system could not be looked at.
 void print_problems(const type::Value& seen);

@@ -19,6 +19,7 @@
 #include "../connection.hpp"
 #include "../models.hpp"
 #include "../output.hpp"
+#include "../ros2/ros2_look.hpp"
 #include "../stop_signal.hpp"
 #include "studio_missions.hpp"
 #include "studio_process.hpp"
@@ -99,6 +100,7 @@ int serve_studio(const std::string& robot, const StudioOptions& options, const C
       .look_at_ros2 = [stop = end.get_token()](
                           const web::Ros2Place& place,
                           TimePoint deadline) { return look_for_pages(place, Wait(deadline, stop)); },
+      .has_ros2 = can_look_at_ros2() && is_ros2_used(),
       .entered =
           [&context](const std::string& address) {
             if (!context.json()) print_line("browser connected; to open another:");

@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "../ros2/ros2_look.hpp"
@@ -20,6 +20,16 @@ using type::Value;
 constexpr std::size_t kMostToldToPages = std::size_t{5} << 20;
 
 }  // namespace
+
+bool is_ros2_used(const std::filesystem::path& installations) {
+  for (const char* name : {"ROS_DISTRO", "AMENT_PREFIX_PATH", "ROS_DOMAIN_ID"}) {
+    const char* value = std::getenv(name);
+    if (value != nullptr && *value != '\0') return true;
+  }
+  std::error_code unreadable;
+  const std::filesystem::directory_iterator first(installations, unreadable);
+  return first != std::filesystem::directory_iterator();
+}
 
 void prepare_for_pages(Value& seen) {
   for (Value& node : seen.as_map().find("nodes")->as_list()) {
@@ -40,13 +50,7 @@ Result<Value> look_for_pages(const web::Ros2Place& place, const Wait& wait) {
   options.discovery = place.discovery;
   options.most_output = kMostToldToPages;
   auto seen = look_at_ros2(options, Value::map({{"all", true}}), wait);
-  if (!seen) return seen;
-  prepare_for_pages(*seen);
-  const char* environment = std::getenv("ROS_DOMAIN_ID");
-  const std::string domain = options.domain ? std::to_string(*options.domain)
-                             : environment == nullptr || *environment == '\0' ? "0"
-                                                                              : environment;
-  seen->as_map().set("domain", domain);
+  if (seen) prepare_for_pages(*seen);
   return seen;
 }
 

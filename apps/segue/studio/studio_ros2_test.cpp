@@ -4,6 +4,8 @@
 #include <segue/type/json.hpp>
 
 #include <gmock/gmock.h>
+#include <support/environment_variable.hpp>
+#include <support/temporary_files.hpp>
 
 namespace segue::cli {
 namespace {
@@ -21,6 +23,18 @@ Value node(const std::string& name, Value process) {
                            {"problems", none}});
   if (!process.is_null()) node.as_map().set("process", std::move(process));
   return node;
+}
+
+TEST(StudioRos2, IsOfferedWhereTheComputerUsesIt) {
+  const segue::testing::TemporaryFiles files;
+  const segue::testing::EnvironmentVariable distribution("ROS_DISTRO", "");
+  const segue::testing::EnvironmentVariable prefixes("AMENT_PREFIX_PATH", "");
+  const segue::testing::EnvironmentVariable domain("ROS_DOMAIN_ID", "");
+  EXPECT_FALSE(is_ros2_used(files.folder() / "ros"));
+  std::filesystem::create_directories(files.folder() / "ros/jazzy");
+  EXPECT_TRUE(is_ros2_used(files.folder() / "ros"));
+  const segue::testing::EnvironmentVariable chosen("ROS_DOMAIN_ID", "7");
+  EXPECT_TRUE(is_ros2_used(files.folder() / "none"));
 }
 
 TEST(StudioRos2, PagesGetNoCommandLines) {

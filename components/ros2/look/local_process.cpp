@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -18,28 +19,6 @@ namespace ros2 {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// "socket:[INODE]" of the sockets that receive at the port (proc_net(5)).
-std::vector<std::string> sockets_at(std::uint16_t port) {
-  std::vector<std::string> sockets;
-  const auto text = segue::read_file("/proc/net/udp");
-  std::istringstream lines(text ? *text : "");
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::vector<std::string> cells;
-    for (std::string word; words >> word;)
-      cells.push_back(word);
-    constexpr std::size_t kAddress = 1;
-    constexpr std::size_t kInode = 9;
-    if (cells.size() <= kInode) continue;
-    const std::string& address = cells[kAddress];
-    const std::size_t colon = std::min(address.find(':'), address.size() - 1);
-    unsigned its = 0;
-    std::from_chars(address.data() + colon + 1, address.data() + address.size(), its, 16);
-    if (its == port) sockets.push_back("socket:[" + cells[kInode] + "]");
-  }
-  return sockets;
-}
 
 bool has_one_of(const fs::path& process, const std::vector<std::string>& sockets) {
   std::error_code problem;
@@ -85,6 +64,28 @@ std::vector<std::string> words_in(pid_t process, const char* file) {
 
 }  // namespace
 
+std::vector<UdpSocket> udp_sockets() {
+  constexpr std::size_t kAddress = 1;
+  constexpr std::size_t kInode = 9;
+  std::vector<UdpSocket> sockets;
+  const auto text = segue::read_file("/proc/net/udp");
+  std::istringstream lines(text ? *text : "");
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    const std::vector<std::string> cells{std::istream_iterator<std::string>(words), {}};
+    if (cells.size() <= kInode) continue;
+    const std::string& address = cells[kAddress];
+    const std::size_t colon = address.find(':');
+    if (colon == std::string::npos) continue;
+    UdpSocket socket;
+    const auto end = address.data() + address.size();
+    if (std::from_chars(address.data() + colon + 1, end, socket.port, 16).ptr != end) continue;
+    socket.file = "socket:[" + cells[kInode] + "]";
+    sockets.push_back(std::move(socket));
+  }
+  return sockets;
+}
+
 std::optional<pid_t> first_of(const std::vector<pid_t>& processes) {
   std::optional<pid_t> first;
   std::uint64_t earliest = 0;
@@ -101,7 +102,10 @@ std::optional<pid_t> first_of(const std::vector<pid_t>& processes) {
 
 std::optional<pid_t> process_at(const segue::ros2::UdpAddress& address) {
   if (!is_own_address(address.host)) return {};
-  const auto sockets = sockets_at(address.port);
+  std::vector<std::string> sockets;
+  for (UdpSocket& socket : udp_sockets()) {
+    if (socket.port == address.port) sockets.push_back(std::move(socket.file));
+  }
   if (sockets.empty()) return {};
   std::vector<pid_t> holders;
   std::error_code problem;

@@ -5,6 +5,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -12,6 +13,14 @@
 #include <vector>
 
 namespace ros2 {
+
+/// A UDP socket of IPv4 in this network namespace.
+struct UdpSocket {
+  std::uint16_t port = 0;
+  std::string file;  ///< "socket:[INODE]", to which the descriptors of its processes link
+};
+/// All there are (/proc/net/udp; proc_net(5)).
+std::vector<UdpSocket> udp_sockets();
 
 /// The one of these processes from which the others have their sockets: they are inherited by children.
 /// Numbers of processes say nothing of that, since they begin anew. Nothing where all have ended.

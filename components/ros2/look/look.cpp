@@ -61,14 +61,15 @@ bool is_found(const Look& request, const Participant& participant) {
   return missing.empty();
 }
 
-/// Of a brief look, when it ends: where nodes have been found, and nothing more for a while.
+/// Of a brief look, when it ends: where nodes have been found, and no more of them or of their topics for a
+/// while.
 class Quiet {
  public:
   void notice(const segue::ros2::GraphSnapshot& graph) {
     std::size_t nodes = 0;
     for (const auto& participant : graph.participants)
       nodes += participant.entities.nodes.size();
-    const std::size_t things = graph.participants.size() + nodes;
+    const std::size_t things = graph.participants.size() + nodes + graph.endpoints.size();
     if (nodes > 0 && things != things_) end_ = segue::Deadline(kWhile);
     things_ = things;
   }
@@ -254,7 +255,8 @@ Result<Value> look(const Look& request, const std::stop_token& stop) {
     if (is_named(request, nodes[i])) ask(interview, nodes[i].as_map());
   });
   if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "the look was stopped");
-  return Value::map({{"nodes", Value(std::move(nodes))},
+  return Value::map({{"domain", std::int64_t{settings->domain}},
+                     {"nodes", Value(std::move(nodes))},
                      {"topics", Value(segue::ros2::describe_topics(graph))},
                      {"problems", Value(std::move(problems))}});
 }

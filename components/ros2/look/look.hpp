@@ -22,14 +22,15 @@ struct Look {
   bool all = false;                  ///< all nodes are asked
   bool containers = false;           ///< all containers are asked for their components
   bool types = false;                ///< and for types that are not built in
-  bool brief = false;  ///< for names only: it ends when no more nodes are found, and looks for no processes
+  bool brief = false;  ///< for names only: it ends when nothing more is found, and looks for no processes
 };
 
 /// The request of the program segue-ros2, a map of these by their names; durations are texts ("3s").
 segue::Result<Look> parse_look(const segue::type::Value& request);
 
-/// {nodes: [...], topics: [...]} as of segue::ros2::describe_nodes() and describe_topics(), and `problems`: a
-/// text for each container that does not answer. Nodes that are asked have the entries of ask(). All nodes
+/// {domain: 7, nodes: [...], topics: [...], problems: [...]}: the domain that was looked at, nodes and topics
+/// as of segue::ros2::describe_nodes() and describe_topics(), and a text for each container that does not
+/// answer. Nodes that are asked have the entries of ask(). All nodes
 /// have `process`: {pid, nodes, command: [WORD], installation, package, executable, remappings, arguments},
 /// the latter as far as the command tells; without `process` it is not on this computer, or is not this
 /// user's. The containers of nodes that are asked are asked, too, and add_components() adds what they tell.

@@ -205,6 +205,7 @@ TEST_P(Looks, ThatAreBriefEndWhenNoMoreNodesAreFound) {
   request.wait = std::chrono::hours(1);
   const auto seen = look(request, {});
   ASSERT_TRUE(seen);
+  EXPECT_EQ(*seen->find("domain"), Value(std::int64_t{own_domain()}));
   ASSERT_EQ(seen->find("nodes")->as_list().size(), 1U);
   EXPECT_EQ(*seen->find("nodes")->as_list().front().find("name"), Value("/lidar"));
 }

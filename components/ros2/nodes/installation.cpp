@@ -12,11 +12,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <map>
-#include <optional>
 
 namespace ros2 {
 namespace {
@@ -95,19 +93,6 @@ std::vector<Installation> stock_installations() {
   return found;
 }
 
-/// Reads until the end of the file, or the deadline.
-std::optional<std::string> read_all(int descriptor, segue::TimePoint deadline) {
-  std::string text;
-  std::array<char, 4096> part{};
-  while (segue::wait_for_input(descriptor, deadline)) {
-    const ssize_t count = ::read(descriptor, part.data(), part.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return text;
-    text.append(part.data(), static_cast<std::size_t>(count));
-  }
-  return std::nullopt;
-}
-
 /// A shell that prints its environment after setup.sh, as NAME=VALUE and a zero byte each.
 Result<pid_t> start_shell(const fs::path& prefix, const segue::Descriptor& output) {
   segue::ChildProcess shell(3);
@@ -123,12 +108,12 @@ Result<std::string> environment_after_setup(const fs::path& prefix) {
   auto pid = start_shell(prefix, output->write);
   if (!pid) return pid.error();
   output->write = segue::Descriptor();
-  const segue::TimePoint deadline = segue::Deadline(kPatience);
-  auto text = read_all(output->read.get(), deadline);
+  auto text = segue::read_to_end(output->read, kPatience);
   segue::wait_for_end(*pid, text ? segue::Duration(kPatience) : segue::Duration::zero());
-  if (!text)
+  if (!text && text.error().code == ErrorCode::DeadlineExceeded)
     return fail(ErrorCode::DeadlineExceeded,
                 (prefix / "setup.sh").string() + " takes longer than " + segue::format_duration(kPatience));
+  if (!text) return text;
   if (text->find("AMENT_PREFIX_PATH=") == std::string::npos)
     return fail(ErrorCode::NotFound, (prefix / "setup.sh").string() +
                                          " does not set AMENT_PREFIX_PATH: it is not that of a ROS 2");

@@ -61,8 +61,11 @@ class ManagedNode final : public NodeProxy {
 
   void on_cleanup() override {
     if (client_ != nullptr && end_of_process().empty()) {
-      if (auto done = drive(NodeState::Unconfigured, deadline()); !done)
+      if (auto done = drive(NodeState::Unconfigured, deadline()); done) {
+        give_parameters_back();
+      } else {
         log(segue::LogLevel::Warning, "the node cannot be cleaned up: " + segue::to_string(done.error()));
+      }
     }
     let_go();
   }
@@ -95,7 +98,15 @@ class ManagedNode final : public NodeProxy {
     announce_requesters(client_->requesters());
     if (auto fresh = drive(NodeState::Unconfigured, end); !fresh) return fresh;
     if (auto set = set_parameters(end); !set) return set;
-    return drive(NodeState::Inactive, end);
+    auto done = drive(NodeState::Inactive, end);
+    if (!done && answers(done.error())) give_parameters_back();
+    return done;
+  }
+
+  /// A node that is silent is not waited for once more.
+  static bool answers(const segue::Error& failure) {
+    return failure.code != segue::ErrorCode::DeadlineExceeded &&
+           failure.code != segue::ErrorCode::Unavailable;
   }
 
   /// As LifecycleClient::drive(), until the process of the node ends.

@@ -129,6 +129,89 @@ TEST_P(ManagedNodes, GetParametersWhileTheyRunOrRefuseThem) {
   EXPECT_EQ(node.transitions(), (Numbers{1, 3})) << "it goes on";
 }
 
+class ManagedNodesWithParameters : public ManagedNodes {
+ protected:
+  static ValueMap with(const Value& parameters) {
+    auto values = node_properties();
+    values["parameters"] = parameters;
+    return values;
+  }
+  std::string set_live(const Value& parameters) {
+    const auto done = task.task().set_properties(Value::map({{"parameters", parameters}}), soon());
+    return done ? std::string() : segue::to_string(done.error());
+  }
+  /// "rate 5, order 1"
+  std::string now() const {
+    return "rate " + std::to_string(node.value("rate")) + ", order " +
+           std::to_string(node.value("pid.order"));
+  }
+};
+
+const Value kNoParameters = Value::map({});
+const Value kRate = Value::map({{"rate", 10}});
+const Value kOtherRate = Value::map({{"rate", 20}});
+const Value kOrder = Value::map({{"pid", Value::map({{"order", 2}})}});
+const Value kBoth = Value::map({{"rate", 30}, {"pid", Value::map({{"order", 3}})}});
+
+TEST_P(ManagedNodesWithParameters, HaveTheSameOnesWhateverRanBefore) {
+  const std::vector<std::pair<Value, std::string>> controllers = {{kNoParameters, "rate 5, order 1"},
+                                                                  {kRate, "rate 10, order 1"},
+                                                                  {kOtherRate, "rate 20, order 1"},
+                                                                  {kOrder, "rate 5, order 2"},
+                                                                  {kBoth, "rate 30, order 3"}};
+  for (const auto& [before, ignored] : controllers) {
+    for (const auto& [after, expected] : controllers) {
+      ASSERT_EQ(configure(with(before)), "");
+      ASSERT_TRUE(task.task().start(soon()));
+      ASSERT_EQ(set_live(after), "");
+      EXPECT_EQ(now(), expected) << "live";
+      ASSERT_TRUE(task.task().stop(soon()));
+      ASSERT_TRUE(task.task().cleanup(soon()));
+      EXPECT_EQ(now(), "rate 5, order 1") << "as it was found";
+      ASSERT_EQ(configure(with(after)), "");
+      EXPECT_EQ(now(), expected) << "configured anew";
+      ASSERT_TRUE(task.task().cleanup(soon()));
+    }
+  }
+}
+
+TEST_P(ManagedNodesWithParameters, KeepWhatOthersHaveChanged) {
+  ASSERT_EQ(configure(with(kBoth)), "");
+  node.set_value("rate", 7);
+  ASSERT_TRUE(task.task().start(soon()));
+  EXPECT_EQ(set_live(kNoParameters), "");
+  EXPECT_EQ(now(), "rate 7, order 1");
+}
+
+TEST_P(ManagedNodesWithParameters, HaveTheFormerOnesWhereTheyCannotBeConfigured) {
+  node.set_fault(Fault::Refuses);
+  EXPECT_THAT(configure(with(kBoth)), HasSubstr("refuses to configure"));
+  EXPECT_EQ(node.parameters().size(), 4U) << "they were set, and set back";
+  EXPECT_EQ(now(), "rate 5, order 1");
+}
+
+TEST_P(ManagedNodesWithParameters, OfTwoTasksHaveThoseOfTheOneThatIsLeft) {
+  RunningTask first("ros2::Node", "first");
+  RunningTask second("ros2::Node", "second");
+  ASSERT_TRUE(first.configure(with(kRate)));
+  ASSERT_TRUE(second.configure(with(kRate)));
+  ASSERT_TRUE(first.task().cleanup(soon()));
+  EXPECT_EQ(now(), "rate 10, order 1");
+  ASSERT_TRUE(second.task().cleanup(soon()));
+  EXPECT_EQ(now(), "rate 5, order 1");
+}
+
+TEST_P(ManagedNodesWithParameters, StayChangeableAfterAStop) {
+  RunningTask other("ros2::Node", "other");
+  ASSERT_TRUE(other.configure(with(kRate)));
+  ASSERT_TRUE(other.task().start(soon()));
+  ASSERT_TRUE(other.task().stop(soon()));
+  EXPECT_EQ(now(), "rate 10, order 1") << "it is configured still";
+  ASSERT_TRUE(other.task().start(soon()));
+  ASSERT_TRUE(other.task().set_properties(Value::map({{"parameters", kNoParameters}}), soon()));
+  EXPECT_EQ(now(), "rate 5, order 1");
+}
+
 /// A message of /parameter_events, as rclcpp sends it.
 Bytes parameter_event(const std::string& node, const char* kind, int rate) {
   segue::ros2::InterfaceLibrary library;
@@ -189,6 +272,8 @@ TEST_P(ManagedNodes, ThatAreNotSeenForAWhileGoOn) {
   EXPECT_EQ(node.transitions(), (Numbers{1, 3}));
 }
 
+INSTANTIATE_TEST_SUITE_P(, ManagedNodesWithParameters,
+                         ::testing::Values(Middleware::FastDds, Middleware::Cyclone), middleware_name);
 INSTANTIATE_TEST_SUITE_P(, ManagedNodes, ::testing::Values(Middleware::FastDds, Middleware::Cyclone),
                          middleware_name);
 

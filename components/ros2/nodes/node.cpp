@@ -47,13 +47,16 @@ class Node final : public NodeProxy {
 
   void on_stop() override {
     close_ports();
-    if (!*ahead_) finish_node();
+    if (starts_node() && !*ahead_) finish_node();
   }
 
-  void on_cleanup() override { leave_all(); }
+  void on_cleanup() override {
+    if (is_seen()) give_parameters_back();
+    leave_all();
+  }
 
  private:
-  [[nodiscard]] bool is_seen() const { return shared_participant()->sees_node(node()); }
+  [[nodiscard]] bool is_seen() const { return sees_node(); }
 
   /// Starts the node, or finds it and sets its parameters, where this is the time for it.
   segue::Result<void> begin(bool is_time, segue::TimePoint end) {

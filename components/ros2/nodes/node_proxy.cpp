@@ -5,8 +5,6 @@
 #include <segue/base/text.hpp>
 #include <segue/ros2/dds_names.hpp>
 #include <segue/ros2/node_topics.hpp>
-#include <segue/ros2/parameter_value.hpp>
-#include <segue/type/json.hpp>
 
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -26,10 +24,6 @@ namespace {
 
 /// Names of ports as read_topics() permits them.
 constexpr const char* kPortPattern = "[A-Za-z0-9_][A-Za-z0-9_.:-]*";
-
-bool is_empty(const Value& parameters) {
-  return parameters.is_map() && parameters.as_map().empty();
-}
 
 }  // namespace
 
@@ -71,8 +65,7 @@ Result<void> NodeProxy::join_checked() {
                     " is not a valid name of a node: expected /NAME or /NAMESPACE/NAME");
   }
   if (auto checked = check(*process_); !checked) return checked;
-  if (auto request = segue::ros2::parameters_request(parameters_.value(), "parameters"); !request)
-    return request.error();
+  if (auto wanted = node_parameters_.want(parameters_.value()); !wanted) return wanted;
   const auto ports = wanted_ports();
   if (!ports) return ports.error();
   timer_ = segue::Descriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
@@ -97,15 +90,15 @@ void NodeProxy::leave_all() {
 }
 
 Result<void> NodeProxy::start_node(segue::TimePoint deadline) {
-  if (!is_empty(parameters_.value())) {
-    if (auto watched = watch_parameters(); !watched) return watched;
+  if (auto watched = node_parameters_.watch(shared_participant(), *name_); !watched) return watched;
+  if (!starts_node()) {
+    return node_parameters_.empty() ? Result<void>() : node_parameters_.open(shared_participant(), *name_);
   }
-  if (!starts_node()) return is_empty(parameters_.value()) ? Result<void>() : make_parameter_client();
-  auto started = StartedNode::start(shared_participant(), {*name_, *process_, parameters_.value()}, deadline);
+  auto started = StartedNode::start(
+      shared_participant(), {*name_, *process_, parameters_.value(), node_parameters_.request()}, deadline);
   if (!started) return started.error();
   started_ = std::move(*started);
-  if (auto request = segue::ros2::parameters_request(parameters_.value(), "parameters"))
-    expect_parameters(*request);
+  node_parameters_.were_given();
   return {};
 }
 
@@ -115,76 +108,44 @@ void NodeProxy::finish_node() {
       log(segue::LogLevel::Warning, "node " + *name_ + ": " + segue::to_string(finished.error()));
   }
   started_.reset();
-  parameter_client_.reset();
-  parameter_watch_.reset();
-  changed_before_.clear();
-  said_.clear();
-}
-
-Result<void> NodeProxy::watch_parameters() {
-  if (parameter_watch_) return {};
-  auto watch = ParameterWatch::make(shared_participant(), *name_);
-  if (!watch) return watch.error();
-  parameter_watch_ = std::move(*watch);
-  return {};
-}
-
-void NodeProxy::expect_parameters(const Value& request) {
-  if (parameter_watch_) parameter_watch_->expect(request);
-}
-
-std::vector<std::string> NodeProxy::changed_parameters() const {
-  std::vector<std::string> texts;
-  if (!parameter_watch_) return texts;
-  for (const auto& [name, expected, now] : parameter_watch_->differences()) {
-    texts.push_back(name + (now.is_null() ? " is not set" : " is " + segue::type::to_json(now, -1)) +
-                    ", not " + segue::type::to_json(expected, -1));
-  }
-  return texts;
-}
-
-void NodeProxy::say_changed_parameters() {
-  std::set<std::string> now;
-  for (std::string& text : changed_parameters()) {
-    if (changed_before_.contains(text) && said_.insert(text).second)
-      log(segue::LogLevel::Warning, "node " + *name_ + ": somebody else has changed a parameter: " + text);
-    now.insert(std::move(text));
-  }
-  std::erase_if(said_, [&now](const std::string& text) { return !now.contains(text); });
-  changed_before_ = std::move(now);
-}
-
-Result<void> NodeProxy::make_parameter_client() {
-  auto client = ParameterClient::make(shared_participant(), *name_);
-  if (!client) return client.error();
-  parameter_client_ = std::move(*client);
-  return {};
+  node_parameters_.close();
 }
 
 Result<void> NodeProxy::set_parameters(segue::TimePoint deadline) {
-  return parameter_client_ ? request_parameters(parameters_.value(), deadline) : Result<void>();
-}
-
-Result<void> NodeProxy::request_parameters(const Value& parameters, segue::TimePoint deadline) {
-  auto request = segue::ros2::parameters_request(parameters, "parameters");
-  if (!request) return request.error();
-  Result<void> done;
-  {
-    const Watch watch(started_.get(), [this] { parameter_client_->cancel(); });
-    done = parameter_client_->set(*request, deadline);
-  }
-  if (done) expect_parameters(*request);
+  if (!node_parameters_.is_open()) return {};
+  const Watch watch(started_.get(), [this] { node_parameters_.cancel(); });
+  auto done = node_parameters_.set(deadline);
   return done ? done : cause_of(std::move(done.error()));
 }
 
+void NodeProxy::give_parameters_back() {
+  if (starts_node()) return;
+  if (auto done = node_parameters_.give_back(deadline()); !done)
+    log(segue::LogLevel::Warning,
+        "node " + *name_ + " keeps the parameters that this task has set: " + segue::to_string(done.error()));
+}
+
 Result<void> NodeProxy::set_live(const Value& parameters) {
+  if (auto wanted = node_parameters_.want(parameters); !wanted) return wanted;
   if (starts_node() && !started_) return {};  // it gets them when it is started
-  if (!parameter_client_) {
-    if (auto made = make_parameter_client(); !made) return made;
-    if (auto watched = watch_parameters(); !watched) return watched;
-    announce_requesters(requesters_);
-  }
-  return request_parameters(parameters, deadline());
+  auto done = node_parameters_.is_complete() ? Result<void>() : open_parameters();
+  if (done) done = set_parameters(deadline());
+  if (!done) static_cast<void>(node_parameters_.want(parameters_.value()));
+  for (const std::string& name : done ? node_parameters_.kept() : std::vector<std::string>())
+    log(segue::LogLevel::Warning, "node " + *name_ + " keeps parameter " + name +
+                                      ", which is not named any more: its value before is not known");
+  return done;
+}
+
+Result<void> NodeProxy::open_parameters() {
+  if (auto opened = node_parameters_.open(shared_participant(), *name_); !opened) return opened;
+  if (auto watched = node_parameters_.watch(shared_participant(), *name_); !watched) return watched;
+  announce_requesters(requesters_);
+  return {};
+}
+
+bool NodeProxy::sees_node() const {
+  return shared_participant()->sees_node(*name_, started_ ? started_->seen_before() : 0);
 }
 
 segue::Error NodeProxy::cause_of(segue::Error failure) const {
@@ -223,16 +184,16 @@ bool NodeProxy::look() {
   }
   std::uint64_t expired = 0;
   if (::read(timer_.get(), &expired, sizeof expired) != sizeof expired) return false;
-  say_changed_parameters();
+  for (const std::string& text : node_parameters_.newly_changed())
+    log(segue::LogLevel::Warning, "node " + *name_ + ": somebody else has changed a parameter: " + text);
   return true;
 }
 
 void NodeProxy::announce_requesters(std::vector<const Requester*> requesters) {
-  requesters_ = requesters;
-  if (parameter_client_) requesters.push_back(&parameter_client_->requester());
+  requesters_ = std::move(requesters);
   auto [publishers, subscriptions] = ports_.gids();
-  if (parameter_watch_) subscriptions.push_back(parameter_watch_->gid());
-  for (const Requester* requester : requesters) {
+  node_parameters_.add_gids(publishers, subscriptions);
+  for (const Requester* requester : requesters_) {
     publishers.push_back(requester->publisher());
     subscriptions.push_back(requester->subscription());
   }

@@ -4,15 +4,13 @@
 #include "../participant/node_task.hpp"
 #include "../participant/types.hpp"
 #include "../topics/topic_ports.hpp"
-#include "parameter_client.hpp"
-#include "parameter_watch.hpp"
+#include "node_parameters.hpp"
 #include "started_node.hpp"
 
 #include <segue/task/sub_state.hpp>
 
 #include <chrono>
 #include <memory>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +36,9 @@ class NodeProxy : public NodeTask {
   void finish_node();
   /// After start_node(): sets the parameters of a node that was not started here, where there are any.
   segue::Result<void> set_parameters(segue::TimePoint deadline);
+  /// Gives parameters of a node that was not started here the values that they had before. What does not work
+  /// is logged. For a node that answers, else it waits.
+  void give_parameters_back();
   /// In place of a failure that comes of it: how the node's process has ended.
   [[nodiscard]] segue::Error cause_of(segue::Error failure) const;
 
@@ -54,6 +55,9 @@ class NodeProxy : public NodeTask {
   void look_now() const;
 
   [[nodiscard]] bool starts_node() const { return !process_->is_empty(); }
+  /// Whether the node is seen; of one that was started here, not that of a process before, which is known for
+  /// a while after its end.
+  [[nodiscard]] bool sees_node() const;
   /// Empty while it runs, and where it was not started here.
   [[nodiscard]] std::string end_of_process() const { return started_ ? started_->end() : std::string(); }
   [[nodiscard]] StartedNode* started() { return started_.get(); }
@@ -67,15 +71,7 @@ class NodeProxy : public NodeTask {
 
  private:
   static segue::Result<void> check_topics(const segue::type::Value& topics, std::string_view path);
-  segue::Result<void> make_parameter_client();
-  /// Where there are parameters: from here on others' changes of them are noticed.
-  segue::Result<void> watch_parameters();
-  /// They are as the property says.
-  void expect_parameters(const segue::type::Value& request);
-  [[nodiscard]] std::vector<std::string> changed_parameters() const;
-  /// Logs each that is new and not from the last second, in which it may be on its way still.
-  void say_changed_parameters();
-  segue::Result<void> request_parameters(const segue::type::Value& parameters, segue::TimePoint deadline);
+  segue::Result<void> open_parameters();
   segue::Result<void> set_live(const segue::type::Value& parameters);
   [[nodiscard]] segue::Result<TopicPorts::Wanted> wanted_ports() const;
   segue::Result<void> trigger_looks();
@@ -129,15 +125,12 @@ class NodeProxy : public NodeTask {
       *this,
       "changed_parameters",
       {},
-      [this] { return changed_parameters(); },
+      [this] { return node_parameters_.changed(); },
       segue::task::RunsIn::TaskThread,
       "parameters that others have changed, of those that the controller has set"};
   TopicPorts ports_;
   std::unique_ptr<StartedNode> started_;
-  std::unique_ptr<ParameterClient> parameter_client_;
-  std::unique_ptr<ParameterWatch> parameter_watch_;
-  std::set<std::string> changed_before_;      ///< at the last look
-  std::set<std::string> said_;                ///< of changed parameters
+  NodeParameters node_parameters_;
   std::vector<const Requester*> requesters_;  ///< of the node's services, beside those for parameters
   segue::Descriptor timer_;
 };

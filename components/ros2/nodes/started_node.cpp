@@ -8,6 +8,7 @@
 #include <segue/ros2/parameter_value.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -81,10 +82,15 @@ Result<std::shared_ptr<NodeProcess>> start_own(const Settings& settings, const N
   return std::shared_ptr<NodeProcess>(std::move(*process));
 }
 
-/// The containers that this process has started, by their names.
+struct Container {
+  std::weak_ptr<NodeProcess> process;
+  std::uint64_t seen_before = 0;  ///< StartedNode::seen_before()
+};
+
+/// Those that this process has started, by their names.
 struct Containers {
   segue::Mutex mutex;
-  std::map<std::string, std::weak_ptr<NodeProcess>> processes SEGUE_GUARDED_BY(mutex);
+  std::map<std::string, Container> all SEGUE_GUARDED_BY(mutex);
 };
 
 Containers& containers() {
@@ -92,18 +98,21 @@ Containers& containers() {
   return all;
 }
 
-/// That of others of this process, or a new one.
-Result<std::shared_ptr<NodeProcess>> share_container(const Settings& settings,
-                                                     const ProcessSettings& wanted) {
-  Containers& all = containers();
-  const segue::Lock lock(all.mutex);
-  auto& known = all.processes[wanted.container];
-  if (auto running = known.lock(); running && running->end().empty()) return running;
+/// That of others of this process, or a new one; `seen_before` is that of its process.
+Result<std::shared_ptr<NodeProcess>> share_container(const Settings& settings, const ProcessSettings& wanted,
+                                                     std::uint64_t& seen_before) {
+  Containers& known = containers();
+  const segue::Lock lock(known.mutex);
+  Container& container = known.all[wanted.container];
+  if (auto running = container.process.lock(); running && running->end().empty()) {
+    seen_before = container.seen_before;
+    return running;
+  }
   auto process = start_program(settings, wanted, program_of_container(wanted.container_program),
                                naming(wanted.container), "");
   if (!process) return process.error();
   std::shared_ptr<NodeProcess> shared(std::move(*process));
-  known = shared;
+  container = {shared, seen_before};
   return shared;
 }
 
@@ -145,7 +154,8 @@ Result<std::unique_ptr<StartedNode>> StartedNode::start(const std::shared_ptr<Pa
   std::unique_ptr<StartedNode> made(new StartedNode);
   const bool is_loaded = !start.process.container.empty();
   if (!is_loaded || !start.process.container_program.empty()) {
-    auto process = is_loaded ? share_container(participant->settings(), start.process)
+    made->seen_before_ = participant->graph().seen_so_far();
+    auto process = is_loaded ? share_container(participant->settings(), start.process, made->seen_before_)
                              : start_own(participant->settings(), start);
     if (!process) return process.error();
     made->process_ = std::move(*process);
@@ -167,8 +177,6 @@ Result<void> StartedNode::load(const std::shared_ptr<Participant>& participant, 
     *requester = std::move(*made);
     (*requester)->allow(true);
   }
-  auto parameters = segue::ros2::parameters_request(start.parameters, "parameters");
-  if (!parameters) return parameters.error();
   const NodeName name = split(start.name);
   watch([this] { load_->allow(false); });
   auto response = load_->call(Value::map({{"package_name", start.process.package},
@@ -176,7 +184,7 @@ Result<void> StartedNode::load(const std::shared_ptr<Participant>& participant, 
                                           {"node_name", name.name},
                                           {"node_namespace", name.name_space},
                                           {"remap_rules", texts(start.process.remappings)},
-                                          {"parameters", *parameters->find("parameters")}}),
+                                          {"parameters", *start.request.find("parameters")}}),
                               deadline);
   stop_watching();
   if (const std::string ended = end(); !ended.empty())
@@ -214,11 +222,11 @@ std::string StartedNode::end() const {
 
 /// The process where nobody else of this process is in it; else that goes on without this node.
 std::shared_ptr<NodeProcess> StartedNode::leave_process() {
-  Containers& all = containers();
-  const segue::Lock lock(all.mutex);
+  Containers& known = containers();
+  const segue::Lock lock(known.mutex);
   std::shared_ptr<NodeProcess> process = std::exchange(process_, nullptr);
   if (process.use_count() > 1) return nullptr;
-  std::erase_if(all.processes, [&](const auto& each) { return each.second.lock() == process; });
+  std::erase_if(known.all, [&](const auto& each) { return each.second.process.lock() == process; });
   return process;
 }
 

@@ -22,6 +22,7 @@ struct NodeStart {
   std::string name;  ///< "/robot/talker"
   ProcessSettings process;
   segue::type::Value parameters;  ///< a map, as parameters_request() takes it
+  segue::type::Value request;     ///< what that makes of it
 };
 
 /// InvalidArgument where the settings contradict each other or name a file in place of a package or a
@@ -44,6 +45,9 @@ class StartedNode {
   /// How its process has ended, as NodeProcess::end(); empty while it runs, and for a container that ran
   /// already.
   [[nodiscard]] std::string end() const;
+  /// How many participants had been seen when its process was started (NodeGraph::seen_so_far()), so that it
+  /// is none of these; 0 where that was not started here.
+  [[nodiscard]] std::uint64_t seen_before() const { return seen_before_; }
   /// Takes it out of its container, or ends its process, as NodeProcess::finish() does.
   segue::Result<void> finish(segue::TimePoint deadline);
   /// As NodeProcess::watch(); one at a time.
@@ -60,6 +64,7 @@ class StartedNode {
   std::shared_ptr<NodeProcess> leave_process();
 
   std::shared_ptr<NodeProcess> process_;  ///< nullptr: a container that ran already
+  std::uint64_t seen_before_ = 0;
   std::unique_ptr<Requester> load_;
   std::unique_ptr<Requester> unload_;
   std::optional<std::uint64_t> loaded_;  ///< its number in the container

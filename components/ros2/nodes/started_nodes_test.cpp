@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "../look/look.hpp"
+#include "../participant/participant.hpp"
 #include "../topics/topics_test_support.hpp"
 
+#include <segue/task/realtime_log.hpp>
 #include <segue/type/yaml.hpp>
 
+#include <support/logged_lines.hpp>
 #include <support/paths.hpp>
 #include <support/ros2_installation.hpp>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -69,6 +74,21 @@ TEST_F(StartedNodes, AreConfiguredStartedStoppedAndEnded) {
   ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
   EXPECT_EQ(noted("planner.end"), "by SIGINT");
   EXPECT_TRUE(is_gone(pid));
+}
+
+TEST_F(StartedNodes, KeepParametersWithWhichTheyWereStarted) {
+  segue::testing::LoggedLines lines;
+  const segue::task::RealtimeLogDrain drain;
+  RunningTask task("ros2::ManagedNode");
+  auto values = node("managed");
+  values["parameters"] = Value::map({{"rate", 10}});
+  task.run(values);
+  const auto set = [&](const Value& parameters) {
+    return error_of(task.task().set_properties(Value::map({{"parameters", parameters}}), soon()));
+  };
+  EXPECT_EQ(set(Value::map({{"rate", 20}})), "");
+  EXPECT_EQ(set(Value::map({})), "");
+  EXPECT_TRUE(lines.has({"node /planner keeps parameter rate, which is not named any more"}));
 }
 
 TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
@@ -160,6 +180,36 @@ TEST_F(StartedNodes, WhoseProcessEndsBringAnException) {
     ASSERT_EQ(error_of(task.task().recover(soon())), "");
     ASSERT_EQ(error_of(task.configure(node(program))), "") << "a new process";
     ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
+  }
+}
+
+std::set<segue::ros2::Gid> participants_with(const std::string& node, const Participant& participant) {
+  std::set<segue::ros2::Gid> found;
+  for (const auto& each : participant.graph().snapshot().participants) {
+    const auto& nodes = each.entities.nodes;
+    if (std::ranges::any_of(nodes, [&](const auto& one) { return full_name(one) == node; }))
+      found.insert(each.entities.participant);
+  }
+  return found;
+}
+
+TEST_F(StartedNodes, AreNotTakenForThoseOfAProcessThatWasKilled) {
+  const auto participant = Participant::join({own_domain(), true}).value();
+  for (const auto& [name, values] :
+       {std::pair("planner", node("talker")), std::pair("smoother", component("/smoother"))}) {
+    RunningTask task("ros2::Node");
+    task.run(values);
+    const auto before = participants_with(std::string("/") + name, *participant);
+    ASSERT_FALSE(before.empty());
+    ASSERT_GT(pid_of(name), 0);
+    ::kill(pid_of(name), SIGKILL);
+    ASSERT_TRUE(eventually([&] { return task.task().state() == TaskState::Exception; }));
+    ASSERT_EQ(error_of(task.task().recover(soon())), "");
+    ASSERT_EQ(error_of(task.configure(values)), "");
+    ASSERT_EQ(error_of(task.task().start(soon())), "");
+    const auto now = participants_with(std::string("/") + name, *participant);
+    EXPECT_FALSE(std::ranges::includes(before, now))
+        << "the new process of " << name << " was not waited for";
   }
 }
 

@@ -203,8 +203,8 @@ Participant::~Participant() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
-bool Participant::sees_node(std::string_view name) const {
-  return graph_.has_node(name, gid_);
+bool Participant::sees_node(std::string_view name, std::uint64_t after) const {
+  return graph_.has_node(name, gid_, after);
 }
 
 segue::Result<dds::Topic*> Participant::use(const TopicName& name) {

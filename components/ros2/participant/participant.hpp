@@ -91,8 +91,9 @@ class Participant final : private dds::DomainParticipantListener,
   [[nodiscard]] const Settings& settings() const { return settings_; }
   [[nodiscard]] segue::ros2::Gid gid() const { return gid_; }
   [[nodiscard]] const segue::ros2::NodeGraph& graph() const { return graph_; }
-  /// Whether a participant of another process has that node ("/talker").
-  [[nodiscard]] bool sees_node(std::string_view name) const;
+  /// Whether a participant of another process has that node ("/talker"); of those that have been found after
+  /// so many others (NodeGraph::seen_so_far()).
+  [[nodiscard]] bool sees_node(std::string_view name, std::uint64_t after = 0) const;
   /// `changed` is called in a thread of Fast DDS, after the graph has changed, until `owner` is told to stop.
   void watch(const void* owner, std::function<void()> changed);
   /// No call is made any more once it returns; not to be called by `changed`.

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "participant.hpp"
+#include "../look/local_process.hpp"
 #include "../topics/topics_test_support.hpp"
 #include "fast_quality.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 namespace ros2::testing {
 namespace {
@@ -34,16 +33,9 @@ std::set<unsigned> ports_of(std::uint32_t domain) {
   const unsigned first = 7400 + kOfDomain * domain + kOfParticipants;
   const auto sockets = own_sockets();
   std::set<unsigned> found;
-  std::ifstream file("/proc/net/udp");
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::vector<std::string> cells;
-    for (std::string word; words >> word;)
-      cells.push_back(word);
-    const auto colon = cells.size() > 9 ? cells[1].find(':') : std::string::npos;
-    if (colon == std::string::npos || !sockets.contains("socket:[" + cells[9] + "]")) continue;
-    const auto port = static_cast<unsigned>(std::stoul(cells[1].substr(colon + 1), nullptr, 16));
-    if (port >= first && port < first + kOfDomain - kOfParticipants) found.insert(port);
+  for (const UdpSocket& socket : udp_sockets()) {
+    const bool is_of_participant = socket.port >= first && socket.port < first + kOfDomain - kOfParticipants;
+    if (is_of_participant && sockets.contains(socket.file)) found.insert(socket.port);
   }
   return found;
 }

@@ -5,9 +5,12 @@
 
 #include <segue/base/mutex.hpp>
 #include <segue/ros2/message_codec.hpp>
+#include <segue/type/value.hpp>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -28,10 +31,11 @@ class ManagedPeer {
     DiesInConfigure   ///< its services leave, and nothing answers
   };
 
-  /// `enters` is called in each transition, with its number, before the state changes.
+  /// `enters` is called in each transition, with its number, before the state changes. Not `tells`: it does
+  /// not answer what values its parameters have.
   explicit ManagedPeer(
       const std::function<std::unique_ptr<Peer>()>& make_peer, std::string node = "/talker",
-      std::function<void(int)> enters = [](int) {});
+      std::function<void(int)> enters = [](int) {}, bool tells = true);
   ~ManagedPeer();
   ManagedPeer(const ManagedPeer&) = delete;
   ManagedPeer& operator=(const ManagedPeer&) = delete;
@@ -44,12 +48,19 @@ class ManagedPeer {
   void hide(bool hidden) { hidden_ = hidden; }
   /// The texts of parameters that it got: "rate: 10".
   std::vector<std::string> parameters() const;
+  /// The whole numbers that it has: rate is 5 and pid.order 1 at first; 0: there is none.
+  std::int64_t value(const std::string& parameter) const;
+  /// By somebody else.
+  void set_value(const std::string& parameter, std::int64_t value);
   /// The transitions that it was asked for, by their numbers.
   std::vector<int> transitions() const;
 
  private:
   void serve();
   void answer();
+  [[nodiscard]] std::vector<Peer*> peers() const;
+  void answer_parameters();
+  [[nodiscard]] segue::type::Value told(const segue::type::Value& names) const;
   void answer_changes();
   void change(int transition);
 
@@ -61,17 +72,21 @@ class ManagedPeer {
   const segue::ros2::MessageCodec change_response_ = codec("lifecycle_msgs/srv/ChangeState_Response");
   const segue::ros2::MessageCodec state_response_ = codec("lifecycle_msgs/srv/GetState_Response");
   const segue::ros2::MessageCodec set_request_ = codec("rcl_interfaces/srv/SetParametersAtomically_Request");
+  const segue::ros2::MessageCodec get_request_ = codec("rcl_interfaces/srv/GetParameters_Request");
+  const segue::ros2::MessageCodec get_response_ = codec("rcl_interfaces/srv/GetParameters_Response");
   const segue::ros2::MessageCodec set_response_ =
       codec("rcl_interfaces/srv/SetParametersAtomically_Response");
   std::unique_ptr<Peer> change_state_;
   std::unique_ptr<Peer> get_state_;
   std::unique_ptr<Peer> set_parameters_;
+  std::unique_ptr<Peer> get_parameters_;  ///< nullptr: another one answers that
   std::atomic<int> state_{1};
   std::atomic<Fault> fault_{Fault::None};
   std::atomic<bool> hidden_{false};
   std::atomic<bool> ends_{false};
   mutable segue::Mutex mutex_;
   std::vector<std::string> parameters_ SEGUE_GUARDED_BY(mutex_);
+  std::map<std::string, std::int64_t> values_ SEGUE_GUARDED_BY(mutex_){{"rate", 5}, {"pid.order", 1}};
   std::vector<int> transitions_ SEGUE_GUARDED_BY(mutex_);
   std::thread thread_;
 };

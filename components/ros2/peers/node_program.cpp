@@ -176,8 +176,8 @@ class Managed {
     if (const Value* topic = parameters_.find("counts_on"))
       counter_ = std::make_unique<Counter>(make_peer_(), node.node(), topic->as_string(),
                                            seconds(*parameters_.find("every")));
-    peer_ =
-        std::make_unique<ManagedPeer>(make_peer_, node.node(), [this](int transition) { enter(transition); });
+    peer_ = std::make_unique<ManagedPeer>(
+        make_peer_, node.node(), [this](int transition) { enter(transition); }, false);
     services_.serve_parameters([this] { return parameter_messages(parameters_); }, description_of);
     services_.start();
     if (parameters_.find("fails_to_activate") != nullptr)
@@ -214,8 +214,8 @@ void wait_for_end() {
 
 int talk(const Arguments& node) {
   const auto peer = make_fast_peer(domain());
-  peer->announce(node.name);
   note_node(node);
+  peer->announce(node.name);
   wait_for_end();
   note(node.name + ".end", "by SIGINT");
   return 0;

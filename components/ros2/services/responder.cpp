@@ -8,8 +8,6 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
 #include <algorithm>
-#include <chrono>
-#include <thread>
 #include <utility>
 
 namespace ros2 {
@@ -92,6 +90,10 @@ bool Responder::sees(const Caller& caller) const {
 /// Both ends must know each other. That the reader is discovered is told before the writer sends to it.
 bool Responder::reaches(const Caller& caller) const {
   const segue::Lock lock(matched_mutex_);
+  return has_matched(caller);
+}
+
+bool Responder::has_matched(const Caller& caller) const {
   return std::ranges::any_of(matched_, [&](const auto& reader) {
     return segue::ros2::same_participant(reader, caller.writer) &&
            participant_->has_acknowledged(reader, publisher());
@@ -106,13 +108,28 @@ void Responder::on_publication_matched(dds::DataWriter*, const dds::PublicationM
   } else {
     matched_.erase(reader);
   }
+  changed_.notify_all();
 }
 
 bool Responder::respond(const Caller& caller, std::span<const std::byte> response,
                         segue::TimePoint deadline) {
-  while (!reaches(caller) && segue::monotonic_now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (!reaches(caller)) wait_until_it_reaches(caller, deadline);
   return send(caller, response);
+}
+
+/// The participant tells what has been acknowledged.
+void Responder::wait_until_it_reaches(const Caller& caller, segue::TimePoint deadline) {
+  const bool watcher = true;  // several threads may wait
+  participant_->watch(&watcher, [this] {
+    const segue::Lock lock(matched_mutex_);
+    changed_.notify_all();
+  });
+  {
+    const segue::Lock lock(matched_mutex_);
+    changed_.wait_until(matched_mutex_, deadline,
+                        [&]() SEGUE_REQUIRES(matched_mutex_) { return has_matched(caller); });
+  }
+  participant_->stop_watching(&watcher);
 }
 
 bool Responder::send(const Caller& caller, std::span<const std::byte> response) {

@@ -4,6 +4,7 @@
 #include "../participant/participant.hpp"
 
 #include <segue/base/clock.hpp>
+#include <segue/base/condition_variable.hpp>
 #include <segue/base/mutex.hpp>
 #include <segue/base/result.hpp>
 #include <segue/ros2/message_codec.hpp>
@@ -70,6 +71,8 @@ class Responder final : private dds::DataReaderListener, private dds::DataWriter
   Responder(std::shared_ptr<Participant> participant, segue::ros2::MessageCodec request,
             segue::ros2::MessageCodec response, Take take);
   segue::Result<void> open(const std::string& service, std::uint32_t depth);
+  [[nodiscard]] bool has_matched(const Caller& caller) const SEGUE_REQUIRES(matched_mutex_);
+  void wait_until_it_reaches(const Caller& caller, segue::TimePoint deadline);
   void on_data_available(dds::DataReader* reader) override;
   void on_subscription_matched(dds::DataReader*, const dds::SubscriptionMatchedStatus& status) override {
     clients_ = status.current_count;
@@ -83,6 +86,7 @@ class Responder final : private dds::DataReaderListener, private dds::DataWriter
   std::string response_topic_;  ///< on DDS
   std::atomic<std::int32_t> clients_{0};
   mutable segue::Mutex matched_mutex_;
+  segue::ConditionVariable changed_;  ///< which readers have matched, or acknowledged that
   std::set<segue::ros2::Gid> matched_ SEGUE_GUARDED_BY(matched_mutex_);  ///< readers to which responses go
   Participant::Owned<dds::DataWriter> writer_;
   Participant::Owned<dds::DataReader> reader_;  ///< destroyed first: its callbacks use all others

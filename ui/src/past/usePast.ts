@@ -28,7 +28,7 @@ export interface PastMoment {
 
 const page = 50;
 
-interface Page {
+export interface Page {
   requests: PastRequest[];
   more: boolean;
 }
@@ -85,11 +85,17 @@ export function useRequests(words: string, changed: string) {
   return { requests, more, older, problem };
 }
 
-/** The first page anew; pages behind it that were loaded before stay. */
-function withFirst(first: Page, before: Page | null): Page {
+/**
+ * The first page anew; pages behind it that were loaded before stay. The list does not grow by this: the oldest leave it, since a page
+ * may stay open at a robot that switches all day.
+ */
+export function withFirst(first: Page, before: Page | null): Page {
   const last = first.requests[first.requests.length - 1]?.id ?? 0;
   const behind = before && first.more ? before.requests.filter((one) => one.id < last) : [];
-  return { requests: [...first.requests, ...behind], more: before && behind.length > 0 ? before.more : first.more };
+  const all = [...first.requests, ...behind];
+  const kept = all.slice(0, Math.max(page, before?.requests.length ?? 0));
+  const isMore = before && behind.length > 0 ? before.more : first.more;
+  return { requests: kept, more: isMore || kept.length < all.length };
 }
 
 function withOlder(before: Page, older: Page): Page {

@@ -27,6 +27,7 @@ export class RobotError extends Error {
 interface Message {
   role?: string;
   robot?: string;
+  ros2?: boolean;
   document?: string;
   version?: number;
   skipped?: number;
@@ -46,6 +47,8 @@ export class Connection {
   link: Link = 'connecting';
   role = '';
   robot = '';
+  /** ROS 2 is used on the computer of the studio. */
+  hasRos2 = false;
   private socket: WebSocket | null = null;
   private pause = 250;
   private nextId = 1;
@@ -123,6 +126,7 @@ export class Connection {
     if (message.role !== undefined) {
       this.role = message.role;
       this.robot = message.robot ?? '';
+      this.hasRos2 = message.ros2 ?? false;
       this.link = 'open';
     } else if (message.document !== undefined) {
       this.take(message.document, message);

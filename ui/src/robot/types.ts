@@ -61,6 +61,8 @@ export interface Status {
   /** The person who has stopped the robot until it is released. */
   stopped_by: string | null;
   controllers: string[];
+  /** Of its components; absent where the robot runs an older Segue. */
+  libraries?: string[];
   ready: { controller: string; ready: boolean; reason: string }[];
   tasks: Record<string, TaskStatus>;
   connections: Record<string, ConnectionStatus>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, test } from 'vitest';
 import type { TaskStatus } from '../robot/types';
-import { groupsOf, limitsText, mismatchText, nodeOfTask, notesOf, placeText, processText, qualityText, seenIn, taskBehind, tasksOf, valueText, withAllWords, type Ros2Node, type Ros2Seen } from './ros2';
+import { groupsOf, hasRos2, limitsText, mismatchText, nodeOfTask, notesOf, placeText, processText, qualityText, seenIn, taskBehind, tasksOf, valueText, withAllWords, type Ros2Node, type Ros2Seen } from './ros2';
 
 const node = (name: string, more: Partial<Ros2Node> = {}): Ros2Node => ({
   name, managed: false, publishers: [], subscriptions: [], services: [], clients: [], actions: [], action_clients: [], parameters: [], copies: 1, unseen_endpoints: 0, problems: [], text: '', ...more,
@@ -15,7 +15,7 @@ const status = {
   },
 };
 const seen: Ros2Seen = {
-  domain: '7', place: { domain: 7, discovery: '' }, places: [], nodes: [], topics: [],
+  domain: 7, place: { domain: 7, discovery: '' }, places: [], nodes: [], topics: [],
   tasks: { lidar: { name: '/robot/lidar', node: '' }, 'front.cam': { node: '' }, voice: { node: 'robot/speaker' }, show: {} },
 };
 
@@ -36,6 +36,13 @@ describe('a task of ROS 2', () => {
   test('that has gone meanwhile stands for nothing', () => {
     expect(tasksOf(node('/robot/lidar'), seen, { tasks: {} })).toEqual([]);
   });
+});
+
+test('a robot has to do with ROS 2 where it has tasks or components of it', () => {
+  expect(hasRos2(null)).toBe(false);
+  expect(hasRos2({ tasks: {}, libraries: ['segue_components_demo'] })).toBe(false);
+  expect(hasRos2({ tasks: {}, libraries: ['segue_components_ros2'] })).toBe(true);
+  expect(hasRos2(status)).toBe(true); // that of an older Segue tells no libraries
 });
 
 test('a node of Segue is known by its process, and its task by its name', () => {

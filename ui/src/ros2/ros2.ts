@@ -5,7 +5,7 @@ import type { Status } from '../robot/types';
 /** A look at ROS 2, as the studio answers `look_at_ros2` (segue/web/ros2_looks.hpp). */
 export interface Ros2Seen {
   /** The domain that was looked at. */
-  domain: string;
+  domain: number;
   place: Place;
   /** Those of the robot's tasks. */
   places: Place[];
@@ -88,6 +88,12 @@ export interface Ros2Topic {
 
 export function seenIn(answer: Json): Ros2Seen | null {
   return isMap(answer) && Array.isArray(answer['nodes']) && Array.isArray(answer['topics']) && isMap(answer['tasks']) ? (answer as unknown as Ros2Seen) : null;
+}
+
+/** Whether the robot has, or can have, tasks of ROS 2. */
+export function hasRos2(status: Pick<Status, 'tasks' | 'libraries'> | null): boolean {
+  if (!status) return false;
+  return (status.libraries ?? []).includes('segue_components_ros2') || Object.values(status.tasks).some(({ component }) => component.startsWith('ros2::'));
 }
 
 const proxies = ['ros2::Node', 'ros2::ManagedNode'];

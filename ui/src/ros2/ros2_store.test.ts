@@ -5,7 +5,7 @@ import { RobotError } from '../robot/connection';
 import { Ros2Store } from './useRos2';
 
 const places = [{ domain: 7, discovery: '' }, { domain: 3, discovery: 'localhost' }];
-const answer = (place = places[0]) => ({ domain: '7', place, places, nodes: [], topics: [], tasks: {} }) as unknown as Json;
+const answer = (place = places[0]) => ({ domain: 7, place, places, nodes: [], topics: [], tasks: {} }) as unknown as Json;
 
 /** A studio that has these answers, in turn, and notes what it was asked for. */
 function studioWith(...answers: (Json | Error)[]) {
@@ -25,7 +25,7 @@ test('while a look is in progress no other one is asked for', async () => {
   await store.look();
   await first;
   expect(asked).toEqual([['look_at_ros2', {}]]);
-  expect(store.get()).toMatchObject({ isLooking: false, problem: '', seen: { domain: '7' } });
+  expect(store.get()).toMatchObject({ isLooking: false, problem: '', seen: { domain: 7 } });
   expect(store.get().at).toBeGreaterThan(0);
 });
 
