@@ -49,6 +49,20 @@ std::vector<std::string> naming(const std::string& node) {
   return {"--ros-args", "-r", "__node:=" + name.name, "-r", "__ns:=" + name.name_space};
 }
 
+/// So that the node looks where this process does.
+void add_discovery(const Settings& settings, std::vector<std::pair<std::string, std::string>>& environment) {
+  if (settings.range == Range::Localhost) {
+    // Before Iron; from then on static peers would not count with it.
+    environment.emplace_back("ROS_LOCALHOST_ONLY", settings.static_peers.empty() ? "1" : "0");
+    environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+  }
+  if (settings.range == Range::Off) environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF");
+  std::string peers;
+  for (const std::string& peer : settings.static_peers)
+    peers += (peers.empty() ? "" : ";") + peer;
+  if (!peers.empty()) environment.emplace_back("ROS_STATIC_PEERS", peers);
+}
+
 Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, const ProcessSettings& process,
                                                    const std::pair<std::string, std::string>& program,
                                                    std::vector<std::string> arguments,
@@ -60,10 +74,7 @@ Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, con
   NodeProgram started{std::move(*path), std::move(arguments), std::move(installation->environment),
                       std::move(parameters)};
   started.environment.emplace_back("ROS_DOMAIN_ID", std::to_string(settings.domain));
-  if (settings.localhost_only) {
-    started.environment.emplace_back("ROS_LOCALHOST_ONLY", "1");  // before Iron
-    started.environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
-  }
+  add_discovery(settings, started.environment);
   return NodeProcess::start(started);
 }
 

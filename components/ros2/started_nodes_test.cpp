@@ -71,6 +71,21 @@ TEST_F(StartedNodes, AreConfiguredStartedStoppedAndEnded) {
   EXPECT_TRUE(is_gone(pid));
 }
 
+TEST_F(StartedNodes, LookForOthersWhereTheirTaskDoes) {
+  RunningTask task("ros2::ManagedNode");
+  auto values = node("managed");
+  ASSERT_EQ(error_of(task.configure(values)), "");
+  EXPECT_EQ(noted("planner.discovery"),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST\nROS_LOCALHOST_ONLY=1\nROS_STATIC_PEERS=\n");
+  ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
+  values["static_peers"] = Value::list({"127.0.0.1", "127.0.0.2"});
+  ASSERT_EQ(error_of(task.configure(values)), "");
+  EXPECT_EQ(noted("planner.discovery"),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST\nROS_LOCALHOST_ONLY=0\nROS_STATIC_PEERS=127.0.0.1;127.0."
+            "0.2\n");
+  ASSERT_EQ(error_of(task.task().cleanup(soon())), "");
+}
+
 TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
   RunningTask task("ros2::Node");
   ASSERT_EQ(error_of(task.configure(node("talker"))), "");

@@ -164,7 +164,7 @@ TEST_F(TopicFaults, WrongPropertiesAreRefusedWithAReason) {
   EXPECT_THAT(refusal("liveliness", "often"), HasSubstr("expected automatic or manual_by_topic"));
   EXPECT_THAT(refusal("deadline", "-1s"), HasSubstr("must not be negative"));
   EXPECT_THAT(refusal("domain", 233), HasSubstr("domain 233 does not exist"));
-  EXPECT_THAT(refusal("discovery", "world"), HasSubstr("expected localhost or subnet"));
+  EXPECT_THAT(refusal("discovery", "world"), HasSubstr("expected localhost, subnet or off"));
   EXPECT_THAT(refusal("node", "a b"), HasSubstr("'a b' is not a valid name of a node"));
   ::setenv("ROS_DOMAIN_ID", "many", 1);
   EXPECT_THAT(refusal("domain", -1), HasSubstr("$ROS_DOMAIN_ID is 'many'"));
