@@ -49,18 +49,25 @@ std::vector<std::string> naming(const std::string& node) {
   return {"--ros-args", "-r", "__node:=" + name.name, "-r", "__ns:=" + name.name_space};
 }
 
-/// So that the node looks where this process does.
-void add_discovery(const Settings& settings, std::vector<std::pair<std::string, std::string>>& environment) {
-  if (settings.range == Range::Localhost) {
-    // Before Iron; from then on static peers would not count with it.
-    environment.emplace_back("ROS_LOCALHOST_ONLY", settings.static_peers.empty() ? "1" : "0");
-    environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
-  }
-  if (settings.range == Range::Off) environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF");
+/// So that the node looks for others where this process does, whatever the environments say.
+void set_discovery(const Settings& settings, Installation& installation) {
+  constexpr const char* kSwitch = "ROS_LOCALHOST_ONLY";
+  constexpr const char* kRange = "ROS_AUTOMATIC_DISCOVERY_RANGE";
+  constexpr const char* kPeers = "ROS_STATIC_PEERS";
   std::string peers;
   for (const std::string& peer : settings.static_peers)
     peers += (peers.empty() ? "" : ";") + peer;
-  if (!peers.empty()) environment.emplace_back("ROS_STATIC_PEERS", peers);
+  // Before Iron there is the switch only; from then on static peers do not count with it.
+  const bool switched = settings.range == Range::Localhost && peers.empty();
+  installation.set_variable("ROS_DOMAIN_ID", std::to_string(settings.domain));
+  if (switched || installation.variable(kSwitch) == "1")
+    installation.set_variable(kSwitch, switched ? "1" : "0");
+  if (settings.range != Range::Subnet) {
+    installation.set_variable(kRange, settings.range == Range::Localhost ? "LOCALHOST" : "OFF");
+  } else if (const auto range = installation.variable(kRange); range == "LOCALHOST" || range == "OFF") {
+    installation.set_variable(kRange, "SUBNET");
+  }
+  if (installation.variable(kPeers) != peers) installation.set_variable(kPeers, peers);
 }
 
 Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, const ProcessSettings& process,
@@ -71,11 +78,9 @@ Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, con
   if (!installation) return installation.error();
   auto path = installation->find_program(program.first, program.second);
   if (!path) return path.error();
-  NodeProgram started{std::move(*path), std::move(arguments), std::move(installation->environment),
-                      std::move(parameters)};
-  started.environment.emplace_back("ROS_DOMAIN_ID", std::to_string(settings.domain));
-  add_discovery(settings, started.environment);
-  return NodeProcess::start(started);
+  set_discovery(settings, *installation);
+  return NodeProcess::start(
+      {std::move(*path), std::move(arguments), std::move(installation->environment), std::move(parameters)});
 }
 
 Result<std::shared_ptr<NodeProcess>> start_own(const Settings& settings, const NodeStart& start) {

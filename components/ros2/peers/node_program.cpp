@@ -96,7 +96,8 @@ void note(const std::string& name, const std::string& text) {
 void note_node(const Arguments& node) {
   note(node.name + ".pid", std::to_string(::getpid()));
   std::string discovery;
-  for (const std::string name : {"ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS"}) {
+  for (const std::string name :
+       {"ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS"}) {
     const char* value = std::getenv(name.c_str());
     discovery += name + "=" + (value == nullptr ? "" : value) + "\n";
   }
