@@ -192,5 +192,33 @@ TEST_F(TopicFaults, DeadlinesThatAreMissedAreCounted) {
   EXPECT_TRUE(eventually([&] { return subscription.count("missed") >= 2; }));
 }
 
+/// A publisher that is alive by what it publishes only, and does so once.
+TEST_F(TopicFaults, LossesOfLivelinessAreCountedOnBothSides) {
+  auto values = properties("std_msgs/msg/String");
+  values["liveliness"] = "manual_by_topic";
+  values["lease"] = "50ms";
+  RunningTask subscription("ros2::Subscription", "listener");
+  subscription.run(values);
+  Quality quality;
+  quality.liveliness = segue::ros2::Liveliness::ManualByTopic;
+  quality.lease = std::chrono::milliseconds(50);
+  std::uint64_t lost = 0;
+  for (auto* peer : {fast.get(), cyclone.get()}) {
+    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
+    ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));
+    peer->publish(text_message("once"));
+    EXPECT_TRUE(eventually([&] { return subscription.count("missed") > lost; }));
+    peer->advertise({"/elsewhere", "std_msgs/msg/String", "", {}});
+    ASSERT_TRUE(eventually([&] { return subscription.count("matched") == 0; }));
+    lost = subscription.count("missed");
+  }
+  values["topic"] = "/words";
+  RunningTask publisher("ros2::Publisher", "talker");
+  publisher.run(values);
+  Writer<> writer(publisher);
+  writer.write("once");
+  EXPECT_TRUE(eventually([&] { return publisher.count("missed") > 0; }));
+}
+
 }  // namespace
 }  // namespace ros2::testing
