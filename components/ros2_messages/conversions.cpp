@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace ros2_messages {
 namespace {
@@ -116,6 +118,18 @@ Problem convert(const messages::Path& from, nav_msgs::Path& to, const Names& nam
   return nullptr;
 }
 
+Problem convert(const messages::Twist2D& from, geometry_msgs::Twist& to, const Names&) {
+  to = {{from.linear, 0, 0}, {0, 0, from.angular}};
+  return nullptr;
+}
+
+Problem convert(const messages::Pose2D& from, geometry_msgs::PoseStamped& to, const Names& names) {
+  to.header.stamp = {};
+  to.header.frame_id = names.frame;
+  to.pose = pose_in_plane(from);
+  return nullptr;
+}
+
 Problem convert(const double& time, rosgraph_msgs::Clock& to, const Names&) {
   to.clock = stamp(time);
   return nullptr;
@@ -194,6 +208,33 @@ Problem convert(const nav_msgs::OccupancyGrid& from, messages::OccupancyGrid& to
   return std::abs(yaw(rotation(from.info.origin.orientation))) < kStraight
              ? nullptr
              : "the map is turned, which is not supported";
+}
+
+Problem convert(const nav_msgs::Path& from, messages::Path& to, const Names&) {
+  to.poses.resize(from.poses.size());
+  for (std::size_t i = 0; i < from.poses.size(); ++i)
+    to.poses[i] = pose_in_plane(from.poses[i].pose);
+  to.goal = to.poses.empty() ? messages::Pose2D() : to.poses.back();
+  return nullptr;
+}
+
+Problem convert(const sensor_msgs::Image& from, messages::Image& to, const Names&) {
+  constexpr std::size_t kBytes = 3;  // of a pixel
+  const bool reversed = from.encoding == "bgr8";
+  if (!reversed && from.encoding != "rgb8") return "the image is neither rgb8 nor bgr8";
+  const std::size_t row = kBytes * from.width;
+  if (from.step < row || from.data.size() != std::size_t{from.step} * from.height)
+    return "the image has another number of bytes than pixels";
+  to.time = seconds(from.header.stamp);
+  to.width = from.width;
+  to.height = from.height;
+  to.rgb.resize(row * from.height);
+  for (std::size_t y = 0; y < from.height; ++y)
+    std::copy_n(from.data.begin() + static_cast<std::ptrdiff_t>(y * from.step), row,
+                to.rgb.begin() + static_cast<std::ptrdiff_t>(y * row));
+  for (std::size_t i = 0; reversed && i < to.rgb.size(); i += kBytes)
+    std::swap(to.rgb[i], to.rgb[i + 2]);
+  return nullptr;
 }
 
 Problem convert(const rosgraph_msgs::Clock& from, double& time, const Names&) {

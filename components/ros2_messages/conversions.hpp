@@ -46,6 +46,9 @@ Problem convert(const messages::Odometry& from, tf2_msgs::TFMessage& to, const N
 Problem convert(const messages::TimedPose& from, tf2_msgs::TFMessage& to, const Names& names);
 Problem convert(const messages::OccupancyGrid& from, nav_msgs::OccupancyGrid& to, const Names& names);
 Problem convert(const messages::Path& from, nav_msgs::Path& to, const Names& names);
+Problem convert(const messages::Twist2D& from, geometry_msgs::Twist& to, const Names& names);
+/// Without a time, which Segue does not know: zero, which those who look up transforms take for the latest.
+Problem convert(const messages::Pose2D& from, geometry_msgs::PoseStamped& to, const Names& names);
 Problem convert(const double& time, rosgraph_msgs::Clock& to, const Names& names);
 
 Problem convert(const sensor_msgs::LaserScan& from, messages::LaserScan& to, const Names& names);
@@ -58,6 +61,10 @@ Problem convert(const geometry_msgs::Twist& from, messages::Twist2D& to, const N
 Problem convert(const geometry_msgs::PoseStamped& from, messages::Pose2D& to, const Names& names);
 /// Refused where its rows do not lie along the x axis, or where it has other numbers of cells than it says.
 Problem convert(const nav_msgs::OccupancyGrid& from, messages::OccupancyGrid& to, const Names& names);
+/// The goal is the last pose.
+Problem convert(const nav_msgs::Path& from, messages::Path& to, const Names& names);
+/// Refused unless its encoding is rgb8 or bgr8, and where it has other numbers of bytes than it says.
+Problem convert(const sensor_msgs::Image& from, messages::Image& to, const Names& names);
 Problem convert(const rosgraph_msgs::Clock& from, double& time, const Names& names);
 
 }  // namespace ros2_messages

@@ -103,6 +103,13 @@ TEST(Conversions, OfImagesPathsAndImus) {
   messages::Pose2D pose;
   ASSERT_EQ(convert(path.poses.back(), pose, kNames), nullptr);
   EXPECT_NEAR(pose.theta, 1, 1e-12);
+  messages::Path passed;
+  ASSERT_EQ(convert(path, passed, kNames), nullptr);
+  ASSERT_EQ(passed.poses.size(), 2U);
+  EXPECT_EQ(passed.poses.front().y, 2);
+  EXPECT_EQ(passed.goal.x, 3);
+  ASSERT_EQ(convert(nav_msgs::Path{}, passed, kNames), nullptr);
+  EXPECT_TRUE(passed.poses.empty());
   messages::Imu imu;
   imu.orientation = Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5);
   imu.linear_acceleration = {1, 2, 9.81};
@@ -112,6 +119,44 @@ TEST(Conversions, OfImagesPathsAndImus) {
   ASSERT_EQ(convert(sent, back, kNames), nullptr);
   EXPECT_EQ(back.linear_acceleration, imu.linear_acceleration);
   EXPECT_EQ(back.orientation.coeffs(), imu.orientation.coeffs());
+}
+
+TEST(Conversions, OfImagesTakeBothOrdersOfColoursAndFilledRows) {
+  sensor_msgs::Image sent;
+  ASSERT_EQ(convert(messages::Image{1.5, 1, 2, {1, 2, 3, 4, 5, 6}}, sent, kNames), nullptr);
+  messages::Image back;
+  ASSERT_EQ(convert(sent, back, kNames), nullptr);
+  EXPECT_EQ(back.time, 1.5);
+  EXPECT_THAT(back.rgb, ElementsAre(1, 2, 3, 4, 5, 6));
+  sent.encoding = "bgr8";
+  sent.step = 4;
+  sent.data = {1, 2, 3, 0, 4, 5, 6, 0};
+  ASSERT_EQ(convert(sent, back, kNames), nullptr);
+  EXPECT_THAT(back.rgb, ElementsAre(3, 2, 1, 6, 5, 4));
+  sent.data.pop_back();
+  EXPECT_THAT(convert(sent, back, kNames), HasSubstr("another number of bytes"));
+  sent.encoding = "mono8";
+  EXPECT_THAT(convert(sent, back, kNames), HasSubstr("neither rgb8 nor bgr8"));
+}
+
+TEST(Conversions, OfCommandsKeepVelocitiesAndGoals) {
+  geometry_msgs::Twist twist;
+  ASSERT_EQ(convert(messages::Twist2D{0.5, -1}, twist, kNames), nullptr);
+  EXPECT_EQ(twist.linear.x, 0.5);
+  EXPECT_EQ(twist.linear.y, 0);
+  EXPECT_EQ(twist.angular.z, -1);
+  messages::Twist2D velocity;
+  ASSERT_EQ(convert(twist, velocity, kNames), nullptr);
+  EXPECT_EQ(velocity.angular, -1);
+  geometry_msgs::PoseStamped goal;
+  goal.header.stamp.sec = 5;
+  ASSERT_EQ(convert(messages::Pose2D{1, 2, 3}, goal, kNames), nullptr);
+  EXPECT_EQ(goal.header.frame_id, "map");
+  EXPECT_EQ(goal.header.stamp.sec, 0);
+  messages::Pose2D pose;
+  ASSERT_EQ(convert(goal, pose, kNames), nullptr);
+  EXPECT_EQ(pose.y, 2);
+  EXPECT_NEAR(pose.theta, 3, 1e-12);
 }
 
 }  // namespace

@@ -31,6 +31,16 @@ class JointState final : public JointConverter<sensor_msgs::JointState, messages
   JointState() : JointConverter("Joints from sensor_msgs/msg/JointState") {}
 };
 
+class Path final : public Converter<nav_msgs::Path, messages::Path> {
+ public:
+  Path() : Converter("A path from nav_msgs/msg/Path", 4096) {}
+};
+
+class Image final : public Converter<sensor_msgs::Image, messages::Image> {
+ public:
+  Image() : Converter("A colour image from sensor_msgs/msg/Image", 3 * 1920 * 1080) {}
+};
+
 class Twist final : public Converter<geometry_msgs::Twist, messages::Twist2D> {
  public:
   Twist() : Converter("A velocity from geometry_msgs/msg/Twist, such as /cmd_vel", 0) {}
@@ -53,6 +63,8 @@ SEGUE_COMPONENT(from_ros2::Imu)
 SEGUE_COMPONENT(from_ros2::OccupancyGrid)
 SEGUE_COMPONENT(from_ros2::Odometry)
 SEGUE_COMPONENT(from_ros2::JointState)
+SEGUE_COMPONENT(from_ros2::Path)
+SEGUE_COMPONENT(from_ros2::Image)
 SEGUE_COMPONENT(from_ros2::Twist)
 SEGUE_COMPONENT(from_ros2::Pose)
 SEGUE_COMPONENT(from_ros2::Clock)

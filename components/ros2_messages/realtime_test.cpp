@@ -23,6 +23,9 @@ struct Sources : segue::task::Component {
   segue::task::OutputPort<messages::LaserScan> scan{*this, "scan"};
   segue::task::OutputPort<messages::OccupancyGrid> map{*this, "map"};
   segue::task::OutputPort<messages::Path> path{*this, "path"};
+  segue::task::OutputPort<messages::Twist2D> twist{*this, "twist"};
+  segue::task::OutputPort<messages::Pose2D> pose{*this, "pose"};
+  segue::task::OutputPort<messages::Image> image{*this, "image"};
   segue::task::OutputPort<messages::Odometry> odometry{*this, "odometry"};
   segue::task::OutputPort<messages::JointState> joints{*this, "joints"};
 };
@@ -44,7 +47,10 @@ TEST(Ros2MessagesRealtime, UpdatesDoNotAllocate) {
   const Value framed = Value::map({{"frame", kLong}});
   chain("LaserScan", "scan", framed, sources.scan);
   chain("OccupancyGrid", "map", framed, sources.map);
-  chain("Path", nullptr, Value::map({{"frame", "map"}}), sources.path);
+  chain("Path", "path", Value::map({{"frame", "map"}}), sources.path);
+  chain("Twist", "twist", Value::map({}), sources.twist);
+  chain("Pose", "pose", framed, sources.pose);
+  chain("Image", "image", framed, sources.image);
   chain("Odometry", "odometry", framed, sources.odometry);
   chain("Transform", nullptr, framed, sources.odometry);
   chain("JointState", "joints", Value::map({{"joints", Value::list({kLong, kLong + "2"})}}), sources.joints);
@@ -52,6 +58,9 @@ TEST(Ros2MessagesRealtime, UpdatesDoNotAllocate) {
     sources.scan.write({1, 0, 0.1, 0, 10, std::vector<float>(i * 10, 1)});
     sources.map.write({1, 0.1, 0, 0, 100, static_cast<std::uint32_t>(i), std::vector<std::int8_t>(100 * i)});
     sources.path.write({{}, std::vector<messages::Pose2D>(i * 7)});
+    sources.twist.write({1, 2});
+    sources.pose.write({1, 2, 3});
+    sources.image.write({1, 10, static_cast<std::uint32_t>(i), std::vector<std::uint8_t>(30 * i)});
     sources.odometry.write({});
     sources.joints.write({1, {0.1, 0.2}, {}, {}});
     segue::testing::trapped = true;

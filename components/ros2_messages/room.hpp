@@ -37,6 +37,12 @@ inline std::size_t elements(const sensor_msgs::JointState& joints) {
 inline std::size_t elements(const nav_msgs::OccupancyGrid& map) {
   return map.data.size();
 }
+inline std::size_t elements(const nav_msgs::Path& path) {
+  return path.poses.size();
+}
+inline std::size_t elements(const sensor_msgs::Image& image) {
+  return std::size_t{3} * image.width * image.height;
+}
 
 /// One with that many elements; as the names are.
 template <class Message>
@@ -61,6 +67,24 @@ inline messages::OccupancyGrid largest(std::size_t most, const Names&) {
   messages::OccupancyGrid map;
   map.cells.resize(most);
   return map;
+}
+template <>
+inline messages::Path largest(std::size_t most, const Names&) {
+  messages::Path path;
+  path.poses.resize(most);
+  return path;
+}
+template <>
+inline messages::Image largest(std::size_t most, const Names&) {
+  messages::Image image;
+  image.rgb.resize(most);
+  return image;
+}
+template <>
+inline geometry_msgs::PoseStamped largest(std::size_t, const Names& names) {
+  geometry_msgs::PoseStamped pose;
+  pose.header.frame_id = names.frame;
+  return pose;
 }
 template <>
 inline sensor_msgs::LaserScan largest(std::size_t most, const Names& names) {

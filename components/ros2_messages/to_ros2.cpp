@@ -36,6 +36,18 @@ class Path final : public FramedConverter<messages::Path, nav_msgs::Path> {
   Path() : FramedConverter("A path as nav_msgs/msg/Path", kPoses, "map") {}
 };
 
+class Twist final : public Converter<messages::Twist2D, geometry_msgs::Twist> {
+ public:
+  Twist() : Converter("A velocity as geometry_msgs/msg/Twist, such as for /cmd_vel", 0) {}
+};
+
+class Pose final : public FramedConverter<messages::Pose2D, geometry_msgs::PoseStamped> {
+ public:
+  Pose()
+      : FramedConverter("A pose in the plane as geometry_msgs/msg/PoseStamped, such as for /goal_pose", 0,
+                        "map") {}
+};
+
 class Odometry final : public MovingConverter<messages::Odometry, nav_msgs::Odometry> {
  public:
   Odometry() : MovingConverter("Odometry as nav_msgs/msg/Odometry") {}
@@ -68,6 +80,8 @@ SEGUE_COMPONENT(to_ros2::Imu)
 SEGUE_COMPONENT(to_ros2::Image)
 SEGUE_COMPONENT(to_ros2::OccupancyGrid)
 SEGUE_COMPONENT(to_ros2::Path)
+SEGUE_COMPONENT(to_ros2::Twist)
+SEGUE_COMPONENT(to_ros2::Pose)
 SEGUE_COMPONENT(to_ros2::Odometry)
 SEGUE_COMPONENT(to_ros2::Transform)
 SEGUE_COMPONENT(to_ros2::PoseTransform)

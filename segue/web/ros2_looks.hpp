@@ -20,7 +20,7 @@ namespace segue::web {
 /// Where ROS 2 is looked at, as the properties of tasks name it.
 struct Ros2Place {
   std::int64_t domain = -1;  ///< -1: as the environment of the studio says
-  std::string discovery;     ///< localhost or subnet; empty: as the environment says
+  std::string discovery;     ///< localhost, subnet or off; empty: as the environment says
   friend bool operator==(const Ros2Place&, const Ros2Place&) = default;
 };
 

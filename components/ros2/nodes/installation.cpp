@@ -147,15 +147,6 @@ Result<Environment> environment_of(const fs::path& prefix) {
   return known[prefix] = split_environment(*text);
 }
 
-void set(Environment& environment, const std::string& name, const std::string& value) {
-  const auto known = std::ranges::find(environment, name, &Environment::value_type::first);
-  if (known == environment.end()) {
-    environment.emplace_back(name, value);
-  } else {
-    known->second = value;
-  }
-}
-
 Result<Installation> choose(const std::vector<Installation>& all, const std::string& name,
                             const std::string& place) {
   std::string names;
@@ -184,15 +175,28 @@ Result<Installation> find_installation(const std::string& name) {
   if (!found) return found;
   auto environment = environment_of(found->prefix);
   if (!environment) return environment.error();
-  for (const auto& [key, value] : found->environment)
-    set(*environment, key, value);
-  found->environment = std::move(*environment);
+  std::swap(found->environment, *environment);
+  for (const auto& [key, value] : *environment)
+    found->set_variable(key, value);
   return found;
 }
 
+std::string_view Installation::variable(std::string_view name_of_it) const {
+  const auto known = std::ranges::find(environment, name_of_it, &Environment::value_type::first);
+  return known == environment.end() ? std::string_view() : std::string_view(known->second);
+}
+
+void Installation::set_variable(const std::string& name_of_it, const std::string& value) {
+  const auto known = std::ranges::find(environment, name_of_it, &Environment::value_type::first);
+  if (known == environment.end()) {
+    environment.emplace_back(name_of_it, value);
+  } else {
+    known->second = value;
+  }
+}
+
 Result<fs::path> Installation::find_program(const std::string& package, const std::string& executable) const {
-  const auto path = std::ranges::find(environment, "AMENT_PREFIX_PATH", &Environment::value_type::first);
-  std::string_view rest = path == environment.end() ? std::string_view() : std::string_view(path->second);
+  std::string_view rest = variable("AMENT_PREFIX_PATH");
   std::string others;
   std::error_code failed;
   while (!rest.empty()) {

@@ -18,6 +18,11 @@ struct Installation {
   /// Variables that its setup.sh sets, and then the file of installations. Names are unique.
   std::vector<std::pair<std::string, std::string>> environment;
 
+  /// Empty where there is none.
+  [[nodiscard]] std::string_view variable(std::string_view name_of_it) const;
+  /// Also one that is there already.
+  void set_variable(const std::string& name_of_it, const std::string& value);
+
   /// The program of a package: PREFIX/lib/PACKAGE/EXECUTABLE, in this prefix or in those that it builds upon.
   /// NotFound names the programs that the package has.
   [[nodiscard]] segue::Result<std::filesystem::path> find_program(const std::string& package,

@@ -316,7 +316,7 @@ TEST_P(NodePorts, SendWithoutAllocatingMoreThanFastDds) {
   ASSERT_EQ(error_of(node.set_properties(subscribing(), soon())), "");
   ASSERT_EQ(error_of(node.configure(soon())), "");
   ASSERT_EQ(error_of(node.start(soon())), "");
-  const auto participant = Participant::join({own_domain(), true}).value();
+  const auto participant = Participant::join({own_domain(), Range::Localhost}).value();
   Quality quality;
   quality.depth = 100;
   const auto bare =

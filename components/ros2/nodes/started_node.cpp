@@ -50,6 +50,27 @@ std::vector<std::string> naming(const std::string& node) {
   return {"--ros-args", "-r", "__node:=" + name.name, "-r", "__ns:=" + name.name_space};
 }
 
+/// So that the node looks for others where this process does, whatever the environments say.
+void set_discovery(const Settings& settings, Installation& installation) {
+  constexpr const char* kSwitch = "ROS_LOCALHOST_ONLY";
+  constexpr const char* kRange = "ROS_AUTOMATIC_DISCOVERY_RANGE";
+  constexpr const char* kPeers = "ROS_STATIC_PEERS";
+  std::string peers;
+  for (const std::string& peer : settings.static_peers)
+    peers += (peers.empty() ? "" : ";") + peer;
+  // Before Iron there is the switch only; from then on static peers do not count with it.
+  const bool switched = settings.range == Range::Localhost && peers.empty();
+  installation.set_variable("ROS_DOMAIN_ID", std::to_string(settings.domain));
+  if (switched || installation.variable(kSwitch) == "1")
+    installation.set_variable(kSwitch, switched ? "1" : "0");
+  if (settings.range != Range::Subnet) {
+    installation.set_variable(kRange, settings.range == Range::Localhost ? "LOCALHOST" : "OFF");
+  } else if (const auto range = installation.variable(kRange); range == "LOCALHOST" || range == "OFF") {
+    installation.set_variable(kRange, "SUBNET");
+  }
+  if (installation.variable(kPeers) != peers) installation.set_variable(kPeers, peers);
+}
+
 Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, const ProcessSettings& process,
                                                    const std::pair<std::string, std::string>& program,
                                                    std::vector<std::string> arguments,
@@ -58,14 +79,9 @@ Result<std::unique_ptr<NodeProcess>> start_program(const Settings& settings, con
   if (!installation) return installation.error();
   auto path = installation->find_program(program.first, program.second);
   if (!path) return path.error();
-  NodeProgram started{std::move(*path), std::move(arguments), std::move(installation->environment),
-                      std::move(parameters)};
-  started.environment.emplace_back("ROS_DOMAIN_ID", std::to_string(settings.domain));
-  if (settings.localhost_only) {
-    started.environment.emplace_back("ROS_LOCALHOST_ONLY", "1");  // before Iron
-    started.environment.emplace_back("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
-  }
-  return NodeProcess::start(started);
+  set_discovery(settings, *installation);
+  return NodeProcess::start(
+      {std::move(*path), std::move(arguments), std::move(installation->environment), std::move(parameters)});
 }
 
 Result<std::shared_ptr<NodeProcess>> start_own(const Settings& settings, const NodeStart& start) {

@@ -91,6 +91,45 @@ TEST_F(StartedNodes, KeepParametersWithWhichTheyWereStarted) {
   EXPECT_TRUE(lines.has({"node /planner keeps parameter rate, which is not named any more"}));
 }
 
+/// Sets a variable as long as it lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) { ::setenv(name, value.c_str(), 1); }
+  ~Variable() { ::unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+TEST_F(StartedNodes, LookForOthersWhereTheirTaskDoesWhateverTheEnvironmentSays) {
+  const Variable domain("ROS_DOMAIN_ID", std::to_string(own_domain() + 1));
+  const Variable range("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF");
+  const Variable peers("ROS_STATIC_PEERS", "127.0.0.9");
+  RunningTask task("ros2::ManagedNode");
+  auto values = node("managed");
+  const std::string where = "ROS_DOMAIN_ID=" + std::to_string(own_domain()) + "\n";
+  const auto looks = [&](const std::string& expected) {
+    EXPECT_EQ(error_of(task.configure(values)), "");
+    EXPECT_EQ(noted("planner.discovery"), where + expected);
+    EXPECT_EQ(error_of(task.task().cleanup(soon())), "");
+  };
+  looks("ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST\nROS_LOCALHOST_ONLY=\nROS_STATIC_PEERS=127.0.0.9\n");
+  values["static_peers"] = Value::list({"127.0.0.1", "127.0.0.2"});
+  looks(
+      "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST\nROS_LOCALHOST_ONLY=\nROS_STATIC_PEERS=127.0.0.1;127.0.0.2\n");
+}
+
+TEST_F(StartedNodes, LookOnTheirComputerWhereTheirTaskDoes) {
+  const Variable domain("ROS_DOMAIN_ID", std::to_string(own_domain() + 1));
+  RunningTask task("ros2::ManagedNode");
+  EXPECT_EQ(error_of(task.configure(node("managed"))), "");
+  EXPECT_EQ(noted("planner.discovery"),
+            "ROS_DOMAIN_ID=" + std::to_string(own_domain()) +
+                "\nROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST\nROS_LOCALHOST_ONLY=1\nROS_STATIC_PEERS=\n");
+}
+
 TEST_F(StartedNodes, WithoutALifeCycleLiveFromStartToStop) {
   RunningTask task("ros2::Node");
   ASSERT_EQ(error_of(task.configure(node("talker"))), "");

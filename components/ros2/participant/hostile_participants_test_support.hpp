@@ -21,7 +21,7 @@ class HostileParticipants : public Topics {
     talker->announce("talker");
     subscription.run(properties("std_msgs/msg/String"));
     reader = std::make_unique<Reader>(subscription);
-    participant = Participant::join({own_domain(), true}).value();
+    participant = Participant::join({own_domain(), Range::Localhost}).value();
   }
   ~HostileParticipants() override { reader.reset(); }
 

@@ -47,7 +47,7 @@ segue::Result<void> NodeTask::name_node(std::string_view prefix) {
 
 segue::Result<void> NodeTask::join(std::string_view prefix) {
   if (auto named = name_node(prefix); !named) return named;
-  auto settings = settings_from(*domain_, *discovery_);
+  auto settings = settings_from(*domain_, *discovery_, *static_peers_);
   if (!settings) return settings.error();
   auto joined = Participant::join(*settings);
   if (!joined) {

@@ -53,8 +53,14 @@ class NodeTask : public segue::task::Component {
       "discovery",
       "",
       {.doc =
-           "localhost or subnet; empty: as $ROS_AUTOMATIC_DISCOVERY_RANGE or $ROS_LOCALHOST_ONLY say, else "
-           "subnet"}};
+           "localhost, subnet or off; empty: as $ROS_AUTOMATIC_DISCOVERY_RANGE or $ROS_LOCALHOST_ONLY say, "
+           "else subnet"}};
+  segue::task::Property<std::vector<std::string>> static_peers_{
+      *this,
+      "static_peers",
+      {},
+      {.doc = "computers where nodes are looked for without multicast, by names or IPv4 addresses; none: "
+              "those of $ROS_STATIC_PEERS"}};
   segue::task::Property<std::string> node_text_{
       *this, "node", {}, {.doc = "name of the node that others see: /robot/scan; empty: that of the task"}};
 

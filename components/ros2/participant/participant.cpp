@@ -2,6 +2,7 @@
 #include "participant.hpp"
 #include "fast_quality.hpp"
 #include "participant_quality.hpp"
+#include "static_peers.hpp"
 
 #include <segue/base/log.hpp>
 #include <segue/base/text.hpp>
@@ -56,8 +57,12 @@ void take_log_lines() {
 }
 
 std::string to_string(const Settings& settings) {
-  return "domain " + std::to_string(settings.domain) +
-         (settings.localhost_only ? ", on this computer only" : ", on all networks");
+  std::string text = "domain " + std::to_string(settings.domain);
+  if (settings.range == Range::Off) return text + ", without others";
+  text += settings.range == Range::Localhost ? ", on this computer only" : ", on all networks";
+  for (const std::string& peer : settings.static_peers)
+    text += ", " + peer;
+  return text;
 }
 
 template <class Locators>
@@ -154,15 +159,21 @@ Participant::Participant(const Settings& settings) : settings_(settings) {}
 
 segue::Result<void> Participant::start() {
   take_log_lines();
+  auto peers = addresses_of_peers(settings_.static_peers);
+  if (!peers) return peers.error();
   auto* factory = dds::DomainParticipantFactory::get_instance();
   const auto listens = std::make_shared<std::atomic<bool>>(false);
   const TransportOptions options{[this](const segue::ros2::Acknowledgement& one) { acknowledged(one); },
                                  [this](const segue::ros2::Gid& sender, std::string_view why) {
                                    refuse(sender, "a part of a message is not taken: " + std::string(why));
                                  },
-                                 settings_.localhost_only, listens, receiving_};
-  participant_ = factory->create_participant(settings_.domain, participant_quality(settings_, options), this,
-                                             dds::StatusMask::none());
+                                 settings_.range == Range::Localhost,
+                                 *peers,
+                                 settings_.range == Range::Off,
+                                 listens,
+                                 receiving_};
+  participant_ = factory->create_participant(
+      settings_.domain, participant_quality(settings_, *peers, options), this, dds::StatusMask::none());
   listens->store(true, std::memory_order_relaxed);
   if (participant_ == nullptr)
     return fail(ErrorCode::Unavailable, "Fast DDS cannot start (" + to_string(settings_) + ")");

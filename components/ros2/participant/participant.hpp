@@ -31,10 +31,19 @@ namespace ros2 {
 
 namespace dds = eprosima::fastdds::dds;
 
+/// On which computers others are looked for, without being named.
+enum class Range {
+  Subnet,
+  Localhost,  ///< only on this one
+  Off         ///< on none: this process is alone
+};
+
 /// Where ROS 2 is looked for.
 struct Settings {
-  std::uint32_t domain = 0;     ///< 0 to 232
-  bool localhost_only = false;  ///< only this computer
+  std::uint32_t domain = 0;  ///< 0 to 232
+  Range range = Range::Subnet;
+  /// Computers that are asked in any range but Off, by names or IPv4 addresses.
+  std::vector<std::string> static_peers{};
   friend bool operator==(const Settings&, const Settings&) = default;
 };
 

@@ -35,6 +35,13 @@ rtps::GuidPrefix_t new_identifier() {
   return prefix;
 }
 
+rtps::Locator_t multicast_group(std::uint32_t domain) {
+  rtps::Locator_t group;
+  rtps::IPLocator::setIPv4(group, 239, 255, 0, 1);
+  group.port = rtps::PortParameters().getMulticastPort(domain);
+  return group;
+}
+
 /// Finds those on this computer in all ways in which ROS 2 looks for them: by multicast, which does not leave
 /// it (before Iron, on the loopback device), and at the ports of its first participants (from Iron on). They
 /// may know the computer by any of its addresses. (A list of permitted interfaces, as before Iron, drops all
@@ -46,9 +53,7 @@ void keep_on_this_computer(std::uint32_t domain, dds::DomainParticipantQos& qual
   rtps::Locator_t all;
   rtps::Locator_t here;
   rtps::IPLocator::setIPv4(here, 127, 0, 0, 1);
-  rtps::Locator_t group;
-  rtps::IPLocator::setIPv4(group, 239, 255, 0, 1);
-  group.port = rtps::PortParameters().getMulticastPort(domain);
+  const rtps::Locator_t group = multicast_group(domain);
   auto& builtin = quality.wire_protocol().builtin;
   for (const rtps::Locator_t& locator : {all, here}) {
     builtin.metatrafficUnicastLocatorList.push_back(locator);
@@ -57,6 +62,20 @@ void keep_on_this_computer(std::uint32_t domain, dds::DomainParticipantQos& qual
   builtin.metatrafficMulticastLocatorList.push_back(group);
   builtin.initialPeersList.push_back(group);
   builtin.initialPeersList.push_back(here);
+}
+
+/// Asks computers at the ports of their first participants, besides all others that are looked for.
+void ask_peers(std::uint32_t domain, const std::vector<Ipv4Address>& peers,
+               dds::DomainParticipantQos& quality, eprosima::fastdds::rtps::UDPv4TransportDescriptor& udp) {
+  if (peers.empty()) return;
+  udp.maxInitialPeersRange = kLocalParticipants;
+  auto& asked = quality.wire_protocol().builtin.initialPeersList;
+  if (asked.empty()) asked.push_back(multicast_group(domain));  // is left out where others are named
+  for (const Ipv4Address& peer : peers) {
+    rtps::Locator_t locator;
+    rtps::IPLocator::setIPv4(locator, peer[0], peer[1], peer[2], peer[3]);
+    asked.push_back(locator);
+  }
 }
 
 /// Bounds of all that is kept of others: far more than a robot has.
@@ -69,12 +88,14 @@ void limit_others(dds::DomainParticipantQos& quality) {
 
 }  // namespace
 
-dds::DomainParticipantQos participant_quality(const Settings& settings, TransportOptions options) {
+dds::DomainParticipantQos participant_quality(const Settings& settings, const std::vector<Ipv4Address>& peers,
+                                              TransportOptions options) {
   dds::DomainParticipantQos quality;
   quality.user_data().setValue({kUserData.begin(), kUserData.end()});
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   udp->sendBufferSize = udp->receiveBufferSize = kSocketBytes;
-  if (settings.localhost_only) keep_on_this_computer(settings.domain, quality, *udp);
+  if (settings.range == Range::Localhost) keep_on_this_computer(settings.domain, quality, *udp);
+  ask_peers(settings.domain, peers, quality, *udp);
   limit_others(quality);
   quality.wire_protocol().prefix = new_identifier();
   quality.wire_protocol().participant_id = kNumber;

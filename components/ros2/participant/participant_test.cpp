@@ -41,7 +41,7 @@ std::set<unsigned> ports_of(std::uint32_t domain) {
 }
 
 TEST(OneParticipant, HasTheSamePortsWhenItJoinsAgain) {
-  const Settings settings{domain_with_low_ports(), true};
+  const Settings settings{domain_with_low_ports(), Range::Localhost};
   auto participant = Participant::join(settings).value();
   const auto ports = ports_of(settings.domain);
   EXPECT_EQ(ports.size(), 2U) << "for discovery and for all else";
@@ -54,11 +54,13 @@ TEST(OneParticipant, HasTheSamePortsWhenItJoinsAgain) {
 }
 
 TEST(OneParticipant, IsSharedByAllWhoWantTheSame) {
-  const Settings settings{own_domain(), true};
+  const Settings settings{own_domain(), Range::Localhost};
   const auto first = Participant::join(settings).value();
   EXPECT_EQ(Participant::join(settings).value(), first);
-  EXPECT_THAT(Participant::join({own_domain(), false}).error().message, HasSubstr("with other settings"));
-  EXPECT_THAT(Participant::join({233, true}).error().message, HasSubstr("domain 233 does not exist"));
+  EXPECT_THAT(Participant::join({own_domain(), Range::Subnet}).error().message,
+              HasSubstr("with other settings"));
+  EXPECT_THAT(Participant::join({233, Range::Localhost}).error().message,
+              HasSubstr("domain 233 does not exist"));
 }
 
 /// With the three seconds of Fast DDS, a node on Cyclone DDS would know only then what a latched topic has.

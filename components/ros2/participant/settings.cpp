@@ -28,25 +28,59 @@ segue::Result<std::uint32_t> domain_of_environment() {
               "$ROS_DOMAIN_ID is " + quote(text) + ", which is not a valid number");
 }
 
-/// From Iron on there is a range, before it a switch.
-segue::Result<bool> is_localhost_only(std::string_view wanted) {
-  if (wanted == "localhost") return true;
-  if (wanted == "subnet") return false;
-  if (!wanted.empty()) {
-    return fail(ErrorCode::InvalidArgument,
-                "discovery " + quote(wanted) + " is not known: expected localhost or subnet");
-  }
+segue::Result<Range> wanted_range(std::string_view wanted) {
+  if (wanted == "localhost") return Range::Localhost;
+  if (wanted == "subnet") return Range::Subnet;
+  if (wanted == "off") return Range::Off;
+  return fail(ErrorCode::InvalidArgument,
+              "discovery " + quote(wanted) + " is not known: expected localhost, subnet or off");
+}
+
+/// From Iron on there is a range, before it a switch, which goes before the range.
+bool has_switch() {
+  return environment("ROS_LOCALHOST_ONLY") == "1";
+}
+
+segue::Result<Range> range_of_environment() {
   const std::string_view range = environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
-  return range == "LOCALHOST" || (range.empty() && environment("ROS_LOCALHOST_ONLY") == "1");
+  if (has_switch() || range == "LOCALHOST") return Range::Localhost;
+  if (range.empty() || range == "SUBNET" || range == "SYSTEM_DEFAULT") return Range::Subnet;
+  if (range == "OFF") return Range::Off;
+  return fail(ErrorCode::InvalidArgument, "$ROS_AUTOMATIC_DISCOVERY_RANGE is " + quote(range) +
+                                              ": expected SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT");
+}
+
+/// Parts between semicolons, without those that are empty.
+std::vector<std::string> peers_of_environment() {
+  std::vector<std::string> peers;
+  if (environment("ROS_AUTOMATIC_DISCOVERY_RANGE") == "SYSTEM_DEFAULT") return peers;
+  std::string_view rest = environment("ROS_STATIC_PEERS");
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(';'), rest.size());
+    if (end > 0) peers.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return peers;
 }
 
 }  // namespace
 
-segue::Result<Settings> settings_from(std::int32_t domain, std::string_view discovery) {
+segue::Result<Settings> settings_from(std::int32_t domain, std::string_view discovery,
+                                      const std::vector<std::string>& static_peers) {
   Settings settings;
-  auto localhost = is_localhost_only(discovery);
-  if (!localhost) return localhost.error();
-  settings.localhost_only = *localhost;
+  auto range = discovery.empty() ? range_of_environment() : wanted_range(discovery);
+  if (!range) return range.error();
+  settings.range = *range;
+  if (*range == Range::Off && !static_peers.empty()) {
+    return fail(ErrorCode::InvalidArgument,
+                "static_peers are named, but discovery is off: choose localhost, or name none");
+  }
+  const bool is_switched = discovery.empty() && has_switch();
+  if (!static_peers.empty()) {
+    settings.static_peers = static_peers;
+  } else if (*range != Range::Off && !is_switched) {
+    settings.static_peers = peers_of_environment();
+  }
   settings.domain = static_cast<std::uint32_t>(std::max(domain, 0));
   if (domain >= 0) return settings;
   auto of_environment = domain_of_environment();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "watched_transport.hpp"
-#include "own_addresses.hpp"
 
 #include <segue/ros2/rtps_message.hpp>
 
@@ -65,13 +64,14 @@ class Transport final : public fast::ChainingTransport {
   bool send(eprosima::fastrtps::rtps::SenderResource* resource, const octet* bytes, std::uint32_t size,
             fast::LocatorsIterator* begin, fast::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& timeout) override {
-    if (!descriptor_.options.listens->load(std::memory_order_relaxed)) return true;
+    const TransportOptions& options = descriptor_.options;
+    if (options.alone || !options.listens->load(std::memory_order_relaxed)) return true;
     KnownLocators known(*low_level_transport_, *begin);
     return resource->send(bytes, size, &known, end, timeout);
   }
   void receive(fast::TransportReceiverInterface* receiver, const octet* bytes, std::uint32_t size,
                const Locator_t& local, const Locator_t& remote) override {
-    if (descriptor_.options.only_here && !own_addresses_.contains(address_of(remote))) return;
+    if (!hears(address_of(remote))) return;
     const auto message = std::as_bytes(std::span(bytes, size));
     for (const segue::ros2::Acknowledgement& one : segue::ros2::acknowledgements_in(message))
       descriptor_.options.acknowledged(one);
@@ -84,6 +84,12 @@ class Transport final : public fast::ChainingTransport {
   }
 
  private:
+  bool hears(const Ipv4Address& sender) {
+    const TransportOptions& options = descriptor_.options;
+    if (options.alone) return false;
+    return !options.only_here || own_addresses_.contains(sender) ||
+           std::ranges::find(options.and_from, sender) != options.and_from.end();
+  }
   static Ipv4Address address_of(const Locator_t& locator) {
     Ipv4Address address{};
     std::copy_n(eprosima::fastrtps::rtps::IPLocator::getIPv4(locator), address.size(), address.begin());

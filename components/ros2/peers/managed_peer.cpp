@@ -32,17 +32,18 @@ ManagedPeer::ManagedPeer(const std::function<std::unique_ptr<Peer>()>& make_peer
       get_parameters_(tells ? make_peer() : nullptr) {
   serve();
   thread_ = std::thread([this] {
-    for (bool served = true; !ends_; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
-      if (served == hidden_) {
-        served = !served;
-        if (served) {
-          serve();
-        } else {
+    for (; !ends_; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      const bool hidden = hidden_;
+      if (served_ == hidden) {
+        if (hidden) {
           for (Peer* peer : peers())
             peer->stop_serving();
+        } else {
+          serve();
         }
+        served_ = !hidden;
       }
-      if (served) answer();
+      if (served_) answer();
     }
   });
 }
@@ -74,7 +75,8 @@ segue::ros2::MessageCodec ManagedPeer::codec(const std::string& message) {
 void ManagedPeer::answer() {
   for (const Request& request : get_state_->requests()) {
     const Value state = Value::map({{"current_state", Value::map({{"id", int{state_}}})}});
-    respond(*get_state_, request, state_response_.encode(state, "").value());
+    respond(*get_state_, request,
+            fault_ == Fault::HasNoState ? kNoMessage : state_response_.encode(state, "").value());
   }
   answer_parameters();
   answer_changes();
@@ -132,8 +134,11 @@ void ManagedPeer::answer_changes() {
     }
     const bool fails = fault == Fault::FailsToActivate && transition == 3;
     if (fails) state_ = 1;
-    if (!fails && fault != Fault::Refuses && fault != Fault::SaysDoneOnly) change(transition);
-    if (fault == Fault::AnswersNothing) continue;
+    const bool stays =
+        fault == Fault::Refuses || fault == Fault::SaysDoneOnly || fault == Fault::AnswersNever;
+    if (!fails && !stays) change(transition);
+    if (fault == Fault::AnswersNever || (fault == Fault::AnswersNothing && transition == 3)) continue;
+    if (fault == Fault::AnswersLate) std::this_thread::sleep_for(std::chrono::milliseconds(500));
     const Value response = Value::map({{"success", fault != Fault::Refuses && !fails}});
     respond(*change_state_, request,
             fault == Fault::Malformed ? kNoMessage : change_response_.encode(response, "").value());

@@ -25,7 +25,10 @@ class ManagedPeer {
     None,
     Refuses,          ///< every transition, and stays where it is
     SaysDoneOnly,     ///< that it did it, and stays where it is
-    AnswersNothing,   ///< to change_state, but does it
+    AnswersNothing,   ///< to activate, but does it
+    AnswersNever,     ///< to change_state, and stays where it is
+    AnswersLate,      ///< half a second after it did it
+    HasNoState,       ///< its responses to get_state are no messages
     FailsToActivate,  ///< and is unconfigured then, as one whose hook has an error
     Malformed,        ///< its responses to change_state are no messages
     DiesInConfigure   ///< its services leave, and nothing answers
@@ -46,6 +49,8 @@ class ManagedPeer {
   void set_state(int state) { state_ = state; }
   /// Its services leave, and come back.
   void hide(bool hidden) { hidden_ = hidden; }
+  /// Whether its services are there, as told by hide().
+  bool is_served() const { return served_; }
   /// The texts of parameters that it got: "rate: 10".
   std::vector<std::string> parameters() const;
   /// The whole numbers that it has: rate is 5 and pid.order 1 at first; 0: there is none.
@@ -83,6 +88,7 @@ class ManagedPeer {
   std::atomic<int> state_{1};
   std::atomic<Fault> fault_{Fault::None};
   std::atomic<bool> hidden_{false};
+  std::atomic<bool> served_{true};
   std::atomic<bool> ends_{false};
   mutable segue::Mutex mutex_;
   std::vector<std::string> parameters_ SEGUE_GUARDED_BY(mutex_);

@@ -22,8 +22,8 @@
 //   dies_in_configure: true
 //   meets: 12                       it is configured when so many are in configure
 //
-// Each node notes its arguments and parameters in $NODE_NOTES/NAME, and its pid in NAME.pid, where there is
-// such a folder.
+// Each node notes its arguments and parameters in $NODE_NOTES/NAME, its pid in NAME.pid, and where it is to
+// look for others in NAME.discovery, where there is such a folder.
 #include "managed_peer.hpp"
 #include "sanitizer_options.hpp"
 #include "service_peer.hpp"
@@ -95,6 +95,13 @@ void note(const std::string& name, const std::string& text) {
 
 void note_node(const Arguments& node) {
   note(node.name + ".pid", std::to_string(::getpid()));
+  std::string discovery;
+  for (const std::string name :
+       {"ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS"}) {
+    const char* value = std::getenv(name.c_str());
+    discovery += name + "=" + (value == nullptr ? "" : value) + "\n";
+  }
+  note(node.name + ".discovery", discovery);
   note(node.name, node.text + (node.parameters.is_null() ? "" : segue::type::to_yaml(node.parameters)));
 }
 

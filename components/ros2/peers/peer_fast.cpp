@@ -87,6 +87,10 @@ Qos quality_of(const Quality& quality, const std::string& user_data) {
     made.deadline().period = {0, static_cast<std::uint32_t>(quality.deadline.count())};
   if (quality.liveliness == segue::ros2::Liveliness::ManualByTopic)
     made.liveliness().kind = edds::MANUAL_BY_TOPIC_LIVELINESS_QOS;
+  if (quality.lease.count() > 0) {
+    made.liveliness().lease_duration = {0, static_cast<std::uint32_t>(quality.lease.count())};
+    made.liveliness().announcement_period = {0, static_cast<std::uint32_t>(quality.lease.count() / 2)};
+  }
   made.endpoint().history_memory_policy = ertps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
   made.data_sharing().off();
   made.user_data().setValue({user_data.begin(), user_data.end()});

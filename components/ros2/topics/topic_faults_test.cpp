@@ -164,7 +164,7 @@ TEST_F(TopicFaults, WrongPropertiesAreRefusedWithAReason) {
   EXPECT_THAT(refusal("liveliness", "often"), HasSubstr("expected automatic or manual_by_topic"));
   EXPECT_THAT(refusal("deadline", "-1s"), HasSubstr("must not be negative"));
   EXPECT_THAT(refusal("domain", 233), HasSubstr("domain 233 does not exist"));
-  EXPECT_THAT(refusal("discovery", "world"), HasSubstr("expected localhost or subnet"));
+  EXPECT_THAT(refusal("discovery", "world"), HasSubstr("expected localhost, subnet or off"));
   EXPECT_THAT(refusal("node", "a b"), HasSubstr("'a b' is not a valid name of a node"));
   ::setenv("ROS_DOMAIN_ID", "many", 1);
   EXPECT_THAT(refusal("domain", -1), HasSubstr("$ROS_DOMAIN_ID is 'many'"));
@@ -190,6 +190,34 @@ TEST_F(TopicFaults, DeadlinesThatAreMissedAreCounted) {
   ASSERT_TRUE(eventually([&] { return fast->subscriptions() == 1; }));
   fast->publish(text_message("once"));
   EXPECT_TRUE(eventually([&] { return subscription.count("missed") >= 2; }));
+}
+
+/// A publisher that is alive by what it publishes only, and does so once.
+TEST_F(TopicFaults, LossesOfLivelinessAreCountedOnBothSides) {
+  auto values = properties("std_msgs/msg/String");
+  values["liveliness"] = "manual_by_topic";
+  values["lease"] = "50ms";
+  RunningTask subscription("ros2::Subscription", "listener");
+  subscription.run(values);
+  Quality quality;
+  quality.liveliness = segue::ros2::Liveliness::ManualByTopic;
+  quality.lease = std::chrono::milliseconds(50);
+  std::uint64_t lost = 0;
+  for (auto* peer : {fast.get(), cyclone.get()}) {
+    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
+    ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));
+    peer->publish(text_message("once"));
+    EXPECT_TRUE(eventually([&] { return subscription.count("missed") > lost; }));
+    peer->advertise({"/elsewhere", "std_msgs/msg/String", "", {}});
+    ASSERT_TRUE(eventually([&] { return subscription.count("matched") == 0; }));
+    lost = subscription.count("missed");
+  }
+  values["topic"] = "/words";
+  RunningTask publisher("ros2::Publisher", "talker");
+  publisher.run(values);
+  Writer<> writer(publisher);
+  writer.write("once");
+  EXPECT_TRUE(eventually([&] { return publisher.count("missed") > 0; }));
 }
 
 }  // namespace

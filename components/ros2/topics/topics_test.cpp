@@ -112,6 +112,29 @@ TEST_P(Topics, ALatchedTopicHasItsLastSampleForThoseThatComeLater) {
   EXPECT_EQ(text_of(messages.front()), "last");
 }
 
+TEST_P(Topics, WhatHasOutlivedItsLifespanIsNotDelivered) {
+  constexpr std::chrono::milliseconds kLifespan{50};
+  auto values = properties("std_msgs/msg/String");
+  values["durability"] = "transient_local";
+  values["lifespan"] = "50ms";
+  RunningTask publisher("ros2::Publisher", "map");
+  publisher.run(values);
+  Writer<> writer(publisher);
+  writer.write("old");
+  ASSERT_TRUE(eventually([&] { return publisher.count("sent") == 1; }));
+  const auto sent = segue::monotonic_now();
+  ASSERT_TRUE(eventually([&] { return segue::monotonic_now() > sent + 2 * kLifespan; }));
+  Quality quality;
+  quality.durability = segue::ros2::Durability::TransientLocal;
+  peer->subscribe({"/chatter", "std_msgs/msg/String", "", quality});
+  std::vector<Bytes> messages;
+  ASSERT_TRUE(eventually([&] {
+    writer.write("new");
+    return !(messages = peer->take()).empty();
+  }));
+  EXPECT_EQ(text_of(messages.front()), "new");
+}
+
 TEST_P(Topics, WhatIsStoppedPublishesNothing) {
   RunningTask publisher("ros2::Publisher", "talker");
   publisher.run(properties("std_msgs/msg/String"));
