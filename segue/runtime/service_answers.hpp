@@ -14,7 +14,7 @@
 #include <future>
 #include <string_view>
 
-/// What clients of a robot are answered. Any thread.
+/// Answers to clients of a robot. Any thread.
 namespace segue::runtime {
 
 Result<type::Value> answer_of(const Result<PlannedSwitch>& planned);
