@@ -233,7 +233,7 @@ std::set<segue::ros2::Gid> participants_with(const std::string& node, const Part
 }
 
 TEST_F(StartedNodes, AreNotTakenForThoseOfAProcessThatWasKilled) {
-  const auto participant = Participant::join({own_domain(), true}).value();
+  const auto participant = Participant::join({own_domain(), Range::Localhost}).value();
   for (const auto& [name, values] :
        {std::pair("planner", node("talker")), std::pair("smoother", component("/smoother"))}) {
     RunningTask task("ros2::Node");
