@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "../participant/participant.hpp"
 #include "../peers/managed_peer.hpp"
 #include "../topics/topics_test_support.hpp"
 
@@ -131,6 +132,10 @@ TEST_P(ManagedNodes, GetParametersWhileTheyRunOrRefuseThem) {
 
 class ManagedNodesWithParameters : public ManagedNodes {
  protected:
+  /// Stays, as it does where other tasks use it, since each that leaves and joins again has to be found anew.
+  const std::shared_ptr<Participant> participant =
+      Participant::join({own_domain(), Range::Localhost}).value();
+
   static ValueMap with(const Value& parameters) {
     auto values = node_properties();
     values["parameters"] = parameters;
