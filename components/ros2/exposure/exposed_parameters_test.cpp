@@ -39,8 +39,14 @@ class ParameterEvents : public ExposedTasks {
   bool is_told(const std::string& text) {
     return eventually([&] { return std::ranges::find(told(), text) != told_.end(); });
   }
-  /// Whether what has changed so far has been told: the witness is, which comes last.
-  bool are_told_all() {
+  /// Whether what has changed so far has been told: the witness is, which comes last. The first time it may
+  /// have been asked just now, in a round that began before the other changes.
+  bool are_told_all() { return is_witness_told() && is_witness_told(); }
+
+ private:
+  static constexpr const char* kWitness = "witness";
+
+  bool is_witness_told() {
     awaited_ = "speed=" + std::to_string(++marks_);
     robot->change(kWitness, "speed", marks_);
     return eventually([&] {
@@ -48,9 +54,6 @@ class ParameterEvents : public ExposedTasks {
       return awaited_.empty();
     });
   }
-
- private:
-  static constexpr const char* kWitness = "witness";
 
   void take() {
     for (const Bytes& message : peer->take()) {
