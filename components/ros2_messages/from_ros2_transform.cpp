@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <optional>
@@ -153,6 +154,7 @@ class Transform final : public Component {
       all.push_back({frame.name, has_parent ? tree_->frame(frame.parent).name : "", frame.is_static,
                      has_parent ? frame.poses.newest().time : 0});
     }
+    std::ranges::sort(all, {}, &KnownFrame::frame);
     return all;
   }
 

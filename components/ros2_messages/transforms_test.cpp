@@ -139,12 +139,11 @@ TEST_F(PoseOfBase, KnowsTheFramesForWhoAsks) {
   send(made_transform("odom", "base", 3, 4));
   const auto frames = network_.call("base", "frames");
   ASSERT_TRUE(frames) << to_string(frames.error());
-  EXPECT_EQ(
-      *frames,
-      Value::list(
-          {Value::map({{"frame", "map"}, {"parent", ""}, {"is_static", false}, {"newest", 0.0}}),
-           Value::map({{"frame", "odom"}, {"parent", "map"}, {"is_static", true}, {"newest", 0.0}}),
-           Value::map({{"frame", "base"}, {"parent", "odom"}, {"is_static", false}, {"newest", 3.0}})}));
+  const auto frame = [](const char* name, const char* parent, bool is_static, double newest) {
+    return Value::map({{"frame", name}, {"parent", parent}, {"is_static", is_static}, {"newest", newest}});
+  };
+  EXPECT_EQ(*frames, Value::list({frame("base", "odom", false, 3), frame("map", "", false, 0),
+                                  frame("odom", "map", true, 0)}));
 }
 
 TEST(PoseOfAFrame, NeedsTwoFrames) {
