@@ -60,6 +60,7 @@ Result<void> Task::Implementation::start() {
   if (state() != TaskState::Stopped) return illegal("start", "stopped");
   recorder.reset(*executor);
   error_at_start = 0;
+  state_at_start = 0;
   message.store("");
   starting = true;
   HookEnd end = run_hook("on_start", &ComponentAccess::start);
@@ -78,7 +79,7 @@ Result<void> Task::Implementation::start() {
   due_at = executor->clock().now();
   for (InputTimeout* timeout : component->timeouts())
     timeout->begin(due_at);
-  enter(TaskState::Running);
+  enter(TaskState::Running, state_at_start);
   if (is_timed()) trigger_on_release |= Job::kTimer;
   const auto waits = [](InputPortBase* input) { return input->pending(); };
   if (std::ranges::any_of(trigger_inputs, waits)) trigger_on_release |= Job::kSample;

@@ -230,6 +230,20 @@ TEST_F(LifeCycle, SubStateLastsUntilAnotherOneIsEntered) {
   EXPECT_EQ(after(probe->settling), "SETTLING");
 }
 
+TEST_F(LifeCycle, SubStateOfOnStartIsThatInWhichRunningBegins) {
+  bring_to(TaskState::Stopped);
+  probe->act = [this](const std::string& hook) -> Result<void> {
+    if (hook == "start") probe->tracking.enter();
+    return {};
+  };
+  ASSERT_TRUE(task->start(soon()));
+  EXPECT_EQ(task->state_name(), "TRACKING");
+  ASSERT_TRUE(task->stop(soon()));
+  probe->act = [](const std::string&) { return Result<void>(); };
+  ASSERT_TRUE(task->start(soon()));
+  EXPECT_EQ(task->state_name(), "running") << "it is that of one start";
+}
+
 TEST_F(LifeCycle, SubStateIsNotEnteredOutsideOfRunning) {
   bring_to(TaskState::Stopped);
   probe->tracking.enter();

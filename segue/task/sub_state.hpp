@@ -17,8 +17,8 @@ class State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// For hooks and operations in the task's thread, while Running (else it is ignored, with a warning).
-  /// Real-time safe. Requires a task.
+  /// For hooks and operations in the task's thread, while Running; in on_start() it says how Running begins.
+  /// Elsewhere it is ignored, with a warning. Real-time safe. Requires a task.
   void enter() const;
 
  private:

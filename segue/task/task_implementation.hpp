@@ -154,6 +154,7 @@ struct Task::Implementation final : Job, TaskContext, SampleListener {
   const std::shared_ptr<Mutex> properties_mutex;
   Task::StateListener listener;
   std::uint32_t error_at_start = 0;  ///< sub-state's index + 2; 0: none
+  std::uint32_t state_at_start = 0;  ///< sub-state's index + 1, as on_start entered it; 0: none
 };
 
 template <class Body>

@@ -153,8 +153,13 @@ void Task::Implementation::note_operation(TimePoint caller_deadline) noexcept {
 }
 
 void Task::Implementation::set_state(std::uint32_t sub_state) {
+  if (starting) {
+    state_at_start = sub_state;
+    return;
+  }
   if (state() != TaskState::Running) {
-    RealtimeLog::instance().push(LogLevel::Warning, name, "a state entered outside of running: ignored");
+    RealtimeLog::instance().push(LogLevel::Warning, name,
+                                 "a state entered outside of start and running: ignored");
     return;
   }
   if (state_word.load(std::memory_order_relaxed) >> 8U != sub_state) enter(TaskState::Running, sub_state);
