@@ -66,27 +66,23 @@ namespace to_ros2 {
 
 using namespace segue::task;  // NOLINT(google-build-using-namespace)
 
-/// Tells them at its start, with the time of day, as ROS 2's static_transform_publisher does, and each
-/// second: whoever was connected with it later, or was not running yet, has them then.
+/// Tells them once, at its start, with the time of day, as ROS 2's static_transform_publisher does.
 class StaticTransforms final : public Component {
  public:
   StaticTransforms()
-      : Component({.doc = "Transforms that do not change, as tf2_msgs/msg/TFMessage, for /tf_static",
-                   .activity = segue::periodic(std::chrono::seconds(1))}) {}
+      : Component({.doc = "Transforms that do not change, as tf2_msgs/msg/TFMessage, for /tf_static"}) {}
 
  protected:
   segue::Result<void> on_configure() override { return ros2_messages::check(*transforms_); }
   segue::Result<void> on_start() override {
     const double time =
         std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-    message_.transforms.clear();
+    tf2_msgs::TFMessage message;
     for (const ros2_messages::StaticTransform& transform : *transforms_)
-      message_.transforms.push_back(ros2_messages::as_message(transform, time));
-    out_.prime(message_);
-    out_.write(message_);
+      message.transforms.push_back(ros2_messages::as_message(transform, time));
+    out_.write(message);
     return {};
   }
-  void on_update() override { out_.write(message_); }
 
  private:
   Property<std::vector<ros2_messages::StaticTransform>> transforms_{
@@ -95,7 +91,6 @@ class StaticTransforms final : public Component {
       {},
       {.doc = "the pose of each frame `child` in `frame`: xyz in m, rpy (roll, pitch, yaw) in rad"}};
   OutputPort<tf2_msgs::TFMessage> out_{*this, "out"};
-  tf2_msgs::TFMessage message_;
 };
 
 }  // namespace to_ros2

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace segue::sample_link {
@@ -31,10 +32,18 @@ const Policy kBuffer{BufferKind::Buffer, 8};
 
 enum class Kind { Local, Shared };
 
+/// Writes again, once its connections have begun, what it wrote before.
+struct Keeper : Component {
+  OutputPort<int> out{*this, "out", {.on_commit = [this] {
+                        if (kept) out.write(*std::exchange(kept, std::nullopt));
+                      }}};
+  std::optional<int> kept;
+};
+
 /// Connections of both kinds between ports of this process.
 struct Ports {
   Pair pair;
-  Source<int> source;
+  Keeper source;
   Sink<int> one{"one"};
   Sink<int> two{"two"};
 
@@ -153,6 +162,36 @@ TEST_P(CommitTest, ShowsANewReaderTheLastSampleWhenTheConnectionHasBegun) {
   EXPECT_THAT(all_of(ports_.one.in), ElementsAre(5));
 }
 
+TEST_P(CommitTest, TellsTheWriterWhenAConnectionHasBegun) {
+  task::OutputPortBase& out = ports_.source.out;
+  EXPECT_FALSE(out.dormant()) << "it has no connection that could begin";
+  begin();
+  const auto one = ports_.connect(GetParam(), ports_.one.in, kBuffer, gate_);
+  const auto two = ports_.connect(GetParam(), ports_.two.in, {BufferKind::Data, 1, {}, true}, gate_);
+  arm();
+  EXPECT_TRUE(out.dormant());
+  ports_.source.out.write(5);
+  ports_.source.kept = 5;
+  commit();
+  EXPECT_FALSE(out.dormant());
+  settle(two);
+  settle(one);
+  EXPECT_FALSE(ports_.source.kept);
+  EXPECT_THAT(all_of(ports_.one.in), ElementsAre(5));
+  EXPECT_THAT(all_of(ports_.two.in), ElementsAre(5)) << "once, although the connection has init";
+}
+
+TEST_P(CommitTest, PortWithAConnectionThatStaysIsNotDormant) {
+  const auto old = ports_.connect(GetParam(), ports_.one.in, kBuffer);
+  begin();
+  const auto fresh = ports_.connect(GetParam(), ports_.two.in, kBuffer, gate_);
+  arm();
+  EXPECT_FALSE(ports_.source.out.dormant());
+  ports_.source.kept = 1;
+  settle(fresh);  // the transition was given up
+  EXPECT_TRUE(ports_.source.kept);
+}
+
 TEST_P(CommitTest, ChangesNothingWhereATransitionIsGivenUp) {
   const auto old = ports_.connect(GetParam(), ports_.one.in, kBuffer);
   begin();
@@ -230,7 +269,7 @@ constexpr int kCommits = kSanitized ? 1000 : 10000;
 /// Writes 1, 2, ... as fast as its readers take them. A refused sample was taken by none, and is written
 /// again.
 struct Counting {
-  explicit Counting(Source<int>& source)
+  explicit Counting(Keeper& source)
       : thread([this, &source] {
           for (int next = 1; !stop;) {
             const bool written = source.out.write(next) == WriteResult::Written;

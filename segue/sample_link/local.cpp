@@ -145,6 +145,7 @@ void LocalConnection::settle() {
   InputPortAccess::settle(to_);
   if (!gate_ || !gate_->open()) return;
   gate_.reset();
+  OutputPortAccess::begun(from_);  // first: what it writes is newer than the last sample
   offer_last();
 }
 

@@ -81,6 +81,7 @@ void SharedOutput::settle() {
   OutputPortAccess::settle(port_);
   if (!gate_ || !gate_->open()) return;
   gate_.reset();
+  OutputPortAccess::begun(port_);  // first: what it writes is newer than the last sample
   show_last();
 }
 

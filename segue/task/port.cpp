@@ -201,6 +201,16 @@ std::size_t OutputPortBase::connection_count() const {
   return ends_.snapshot().size();
 }
 
+bool OutputPortBase::dormant() noexcept {
+  const ConnectionList<WriterEnd>::Section ends(ends_);
+  bool waits = false;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends.carries(i)) return false;
+    waits |= ends.lifetime(i) == Lifetime::FromCommit;
+  }
+  return waits;
+}
+
 InputPortBase::InputPortBase(Component& component, std::string name, const type::TypeInfo* type,
                              std::string type_name, PortOptions options)
     : PortBase(component, Direction::Input, std::move(name), type, std::move(type_name), std::move(options)) {

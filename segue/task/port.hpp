@@ -87,6 +87,9 @@ class OutputPortBase : public PortBase {
   [[nodiscard]] std::uint64_t written() const { return written_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::uint64_t exhausted() const { return exhausted_.load(std::memory_order_relaxed); }
   [[nodiscard]] std::size_t connection_count() const;
+  /// Whether samples would reach nobody yet: all connections wait for the commit of the transition that
+  /// starts this task. For who writes what comes once. The writer's thread only; real-time safe.
+  [[nodiscard]] bool dormant() noexcept;
   /// Removes all connections, and waits for a write in progress; not for update paths. A robot makes those of
   /// its controller again.
   void disconnect_all();

@@ -29,6 +29,10 @@ class OutputPortAccess {
   static void end_at(OutputPortBase& port, const WriterEnd& end, const CommitGatePtr& gate);
   /// Drops the gate of a transition that has ended.
   static void settle(OutputPortBase& port);
+  /// Tells whoever has kept samples for it that a connection has begun with a commit.
+  static void begun(const OutputPortBase& port) {
+    if (port.options().on_commit) port.options().on_commit();
+  }
   /// Removes an end. No sample is passed to it any more when this returns.
   static void detach(OutputPortBase& port, const WriterEnd& end);
   /// Waits until a write or show_last() that is in progress has ended.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace segue::task {
@@ -16,6 +17,10 @@ struct PortOptions {
   /// same, from a port of its own process. Without effect on OutputPort and InputPort, whose samples are
   /// objects.
   bool flat = false;
+  /// Outputs: called when a connection has begun with the commit of a transition, for who has kept samples
+  /// until then (OutputPortBase::dormant()). Not in the thread of the writer: it must not wait for long,
+  /// throw, or change connections.
+  std::function<void()> on_commit{};
   /// Where its samples travel outside of Segue as well ("topic /scan of domain 0"); empty: nowhere. Two ports
   /// with the same are not connected, since the samples would come twice, or go round.
   std::string topic{};

@@ -169,6 +169,7 @@ class ActionServer final : public NodeTask, private GoalWorker {
   }
 
   Take take_goal(std::span<const std::byte> goal) noexcept override {
+    if (goal_->dormant()) return Take::Refused;
     cancel_.write(false);
     const auto outcome = goal_->publish(goal);
     if (outcome == CdrOutput::Outcome::Corrupt) return Take::Corrupt;

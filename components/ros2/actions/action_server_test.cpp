@@ -23,17 +23,18 @@ enum CancelAnswer { kCancels, kDoesNotCancel, kKnowsNoSuchGoal, kGoalHasEnded };
 /// The task that carries out goals.
 class Counter final : public segue::task::Component {
  public:
+  /// Its connections begin with commit().
   explicit Counter(RunningTask& server) {
-    const segue::Policy plenty{segue::BufferKind::Buffer, 1000, segue::Transport::Automatic, false};
     auto& component = server.task().component();
-    bool connected = segue::sample_link::connect(*component.find_output("goal"), goal_, plenty) &&
-                     segue::sample_link::connect(*component.find_output("cancel"), cancel_, plenty);
+    bool connected = commit_.connect(*component.find_output("goal"), goal_) &&
+                     commit_.connect(*component.find_output("cancel"), cancel_);
     for (segue::task::OutputPortBase* output : outputs()) {
       if (auto* input = component.find_input(output->name()); input != nullptr)
-        connected = connected && segue::sample_link::connect(*output, *input, plenty);
+        connected = connected && commit_.connect(*output, *input);
     }
     if (!connected) std::abort();
   }
+  void commit() { commit_.happen(); }
   /// The target of the next goal; nothing where none comes.
   std::optional<int> next() {
     std::optional<int> target;
@@ -65,6 +66,7 @@ class Counter final : public segue::task::Component {
   segue::task::OutputPort<test_msgs::Count_Result> canceled_{*this, "canceled"};
   segue::task::OutputPort<test_msgs::Count_Result> aborted_{*this, "aborted"};
   bool is_canceled_ = false;
+  Commit commit_;
 };
 
 ValueMap served_action(const segue::testing::TemporaryFiles& folder) {
@@ -89,6 +91,7 @@ class ServedActions : public ::testing::TestWithParam<Middleware> {
     if (!property.empty()) values[property] = std::move(value);
     server.run(values);
     counter.emplace(server);
+    counter->commit();
   }
   std::unique_ptr<ActionClientPeer> make_client(Middleware middleware) {
     const auto cyclone = [] { return make_cyclone_peer(own_domain()); };
@@ -139,6 +142,15 @@ TEST_P(ServedActions, AGoalIsCarriedOut) {
     EXPECT_TRUE(shows(*client, id, kHasSucceeded));
   }
   EXPECT_EQ(server.count("goals"), 2U);
+}
+
+TEST_P(ServedActions, GoalsAreRejectedBeforeTheCommit) {
+  server.run(served_action(folder));
+  counter.emplace(server);
+  const auto client = make_client();
+  EXPECT_FALSE(client->send(goal_id_of_byte(1), 1));
+  counter->commit();
+  executed(*client, 2);
 }
 
 TEST_P(ServedActions, FeedbackIsThatOfTheGoal) {

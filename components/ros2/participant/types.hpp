@@ -58,7 +58,7 @@ struct PublisherStatistics {
 /// All counted since the task was configured.
 struct SubscriptionStatistics {
   std::uint64_t received = 0;    ///< samples that arrived whole, and were for this task
-  std::uint64_t early = 0;       ///< samples that came while the task did not run
+  std::uint64_t early = 0;       ///< samples that came before the task ran and its connections had begun
   std::uint64_t refused = 0;     ///< of those received: a connection of `out` had no room
   std::uint64_t lost = 0;        ///< samples that were overwritten before they arrived, as Fast DDS tells
   std::uint64_t corrupt = 0;     ///< messages that are not samples of the type

@@ -54,7 +54,8 @@ class ServiceServer final : public NodeTask {
       return made.error();
     }
     responder_ = std::move(*made);
-    request_.emplace(*this, "request", responder_->request(), "requests, one at a time");
+    request_.emplace(*this, "request", responder_->request(), "requests, one at a time", std::string(),
+                     [this] { waker_.wake(); });
     response_.emplace(*this, "response", &responder_->response().info(), std::string(),
                       PortOptions{.dynamic = true, .doc = "the response to the request", .flat = true});
     announce({responder_->publisher()}, {responder_->subscription()});
@@ -133,7 +134,7 @@ class ServiceServer final : public NodeTask {
         count(&ServerStatistics::unanswered);
         current.reset();
       }
-      if (current) continue;
+      if (current || request_->dormant()) continue;
       current = next();
       give_up = segue::monotonic_now() + *timeout_;
     }

@@ -35,13 +35,15 @@ ValueMap server_properties() {
 /// The task that does what clients ask for.
 class Lamp final : public segue::task::Component {
  public:
-  explicit Lamp(RunningTask& server) {
-    const segue::Policy plenty{segue::BufferKind::Buffer, 1000, segue::Transport::Automatic, false};
+  explicit Lamp(RunningTask& server) : Lamp(server, std::make_unique<Commit>()) { commit(); }
+  /// Its connections begin with commit().
+  Lamp(RunningTask& server, std::unique_ptr<Commit> commit) : commit_(std::move(commit)) {
     auto& component = server.task().component();
-    if (!segue::sample_link::connect(*component.find_output("request"), request_, plenty) ||
-        !segue::sample_link::connect(response_, *component.find_input("response"), plenty))
+    if (!commit_->connect(*component.find_output("request"), request_) ||
+        !commit_->connect(response_, *component.find_input("response")))
       std::abort();
   }
+  void commit() { commit_->happen(); }
   /// The next request; nothing where none comes.
   std::optional<bool> next() {
     std::optional<bool> data;
@@ -57,6 +59,7 @@ class Lamp final : public segue::task::Component {
  private:
   segue::task::InputPort<std_srvs::SetBool_Request> request_{*this, "request"};
   segue::task::OutputPort<std_srvs::SetBool_Response> response_{*this, "response"};
+  std::unique_ptr<Commit> commit_;
 };
 
 class Served : public Topics {
@@ -99,6 +102,18 @@ TEST_P(Served, ClientsGetTheResponseOfTheTask) {
   EXPECT_EQ(server.count("requests"), 2U);
   EXPECT_TRUE(eventually([&] { return server.count("responses") == 2; }))
       << "they are counted when they are sent";
+}
+
+TEST_P(Served, ARequestWaitsForTheCommit) {
+  server.run(server_properties());
+  Lamp lamp(server, std::make_unique<Commit>());
+  meet(*peer);
+  const auto number = ask(*peer, true);
+  ASSERT_TRUE(eventually([&] { return server.count("waiting") == 1; }));
+  lamp.commit();
+  EXPECT_EQ(lamp.next(), true);
+  lamp.answer("now");
+  EXPECT_EQ(response_to(*peer, number), "now");
 }
 
 TEST_P(Served, ClientsOfBothMiddlewaresGetTheirOwnResponses) {

@@ -13,10 +13,13 @@ using segue::task::SampleRef;
 
 CdrOutput::CdrOutput(segue::task::Component& component, const std::string& name,
                      const segue::ros2::MessageCodec& message, const std::string& doc,
-                     const std::string& topic)
+                     const std::string& topic, std::function<void()> on_commit)
     : type_(message.info()),
-      port_(component, name, &type_, std::string(),
-            segue::task::PortOptions{.dynamic = true, .doc = doc, .flat = true, .topic = topic}) {}
+      port_(
+          component, name, &type_, std::string(),
+          segue::task::PortOptions{
+              .dynamic = true, .doc = doc, .flat = true, .on_commit = std::move(on_commit), .topic = topic}) {
+}
 
 CdrOutput::Outcome CdrOutput::publish(std::span<const std::byte> message) noexcept {
   auto why = Outcome::Lost;

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -21,9 +22,12 @@ class CdrOutput {
     Lost      ///< there was no memory for it
   };
 
-  /// `message` must outlive this. `topic`: PortOptions::topic.
+  /// `message` must outlive this. `topic`, `on_commit`: as those of PortOptions.
   CdrOutput(segue::task::Component& component, const std::string& name,
-            const segue::ros2::MessageCodec& message, const std::string& doc, const std::string& topic = {});
+            const segue::ros2::MessageCodec& message, const std::string& doc, const std::string& topic = {},
+            std::function<void()> on_commit = {});
+  /// Whether samples reach nobody until the transition in progress has committed. The writer's thread only.
+  [[nodiscard]] bool dormant() noexcept { return port_.dormant(); }
   /// Decodes the message, which is untrusted, to where readers find the sample. One thread at a time.
   Outcome publish(std::span<const std::byte> message) noexcept;
   /// publish() in two steps, between which the sample may be dropped. Empty: `why` says why there is none.

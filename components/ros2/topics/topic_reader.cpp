@@ -25,7 +25,8 @@ segue::Result<std::unique_ptr<TopicReader>> TopicReader::make(const std::shared_
 
 TopicReader::TopicReader(std::shared_ptr<Participant> participant, TopicPort port, Facts facts)
     : TopicEndpoint(std::move(participant), std::move(port), std::move(facts)),
-      out_(port_facts().component, this->port(), codec(), port_facts().doc, topic_of_port()) {}
+      out_(port_facts().component, this->port(), codec(), port_facts().doc, topic_of_port(),
+           [this] { begin(); }) {}
 
 segue::Result<void> TopicReader::open() {
   auto reader = participant().make_reader(topic_name(), quality(), user_data(), this);
@@ -44,6 +45,19 @@ void TopicReader::start() {
   const segue::Lock lock(mutex_);
   running_ = true;
   has_sample_ = false;
+  deliver_waiting();
+}
+
+/// In the thread that has committed the transition.
+void TopicReader::begin() {
+  const segue::Lock lock(mutex_);
+  if (running_) deliver_waiting();
+}
+
+/// Where the connections of the port begin with a commit, that is when they have.
+void TopicReader::deliver_waiting() noexcept {
+  delivers_ = delivers_ || !out_.dormant();
+  if (!delivers_) return;
   for (const Message& message : waiting_) {
     Arrival arrival{.size = message.size()};
     arrival.sample = out_.make(message, arrival.why);
@@ -55,6 +69,7 @@ void TopicReader::start() {
 void TopicReader::stop() {
   const segue::Lock lock(mutex_);
   running_ = false;
+  delivers_ = false;
 }
 
 bool TopicReader::has_sample() const {
@@ -74,8 +89,10 @@ bool TopicReader::take(std::span<const std::byte> message) noexcept {
   const segue::Lock lock(mutex_);
   arrival_ = {.size = message.size()};
   if (running_) {
+    if (!delivers_) deliver_waiting();
     arrival_.sample = out_.make(message, arrival_.why);
-  } else if (quality().durability == segue::ros2::Durability::TransientLocal) {
+  }
+  if (!delivers_ && quality().durability == segue::ros2::Durability::TransientLocal) {
     try {
       arrival_.message.assign(message.begin(), message.end());
     } catch (const std::bad_alloc&) {
@@ -89,12 +106,14 @@ void TopicReader::pass(const Gid& writer) noexcept {
   const segue::Lock lock(mutex_);
   if (is_foreign(writer)) {
     ++counts_.foreign;
-  } else if (!running_) {
+  } else if (!delivers_) {
     ++counts_.early;
+    if (arrival_.sample) has_sample_ = true;
     if (!arrival_.message.empty()) keep(std::move(arrival_.message));
   } else {
     // Where the task has been started meanwhile, it is not decoded yet.
-    if (!arrival_.message.empty()) arrival_.sample = out_.make(arrival_.message, arrival_.why);
+    if (!arrival_.sample && !arrival_.message.empty())
+      arrival_.sample = out_.make(arrival_.message, arrival_.why);
     deliver(arrival_);
   }
   arrival_ = {};

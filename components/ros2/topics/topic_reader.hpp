@@ -17,8 +17,9 @@ namespace ros2 {
 
 /// An output port with the samples of a topic of ROS 2, decoded into the memory where readers find them, in
 /// the thread in which Fast DDS receives them: another thread would cost a wake-up for each sample. A lock
-/// keeps that to the time between start() and stop(). Samples that arrive before are not for the task, but
-/// those of a topic that is transient_local, which wait for it.
+/// keeps that to the time between start() and stop(). Samples that arrive before, or before the transition
+/// that starts the task has committed, are not for it, but those of a topic that is transient_local, which
+/// wait.
 class TopicReader final : public TopicEndpoint, private dds::DataReaderListener, private MessageSink {
  public:
   static constexpr bool kPublishes = false;
@@ -30,7 +31,7 @@ class TopicReader final : public TopicEndpoint, private dds::DataReaderListener,
 
   void start();
   void stop();
-  /// Whether a sample has gone out since start(). Any thread.
+  /// Whether a sample has come since start(). Any thread.
   [[nodiscard]] bool has_sample() const;
   /// Any thread.
   [[nodiscard]] SubscriptionStatistics statistics() const;
@@ -51,6 +52,8 @@ class TopicReader final : public TopicEndpoint, private dds::DataReaderListener,
   void on_data_available(dds::DataReader* reader) override;
   bool take(std::span<const std::byte> message) noexcept override;
   void pass(const segue::ros2::Gid& writer) noexcept;
+  void begin();
+  void deliver_waiting() noexcept SEGUE_REQUIRES(mutex_);
   void deliver(Arrival& arrival) noexcept SEGUE_REQUIRES(mutex_);
   void keep(Message message) noexcept SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool is_foreign(const segue::ros2::Gid& writer) const noexcept SEGUE_REQUIRES(mutex_);
@@ -68,6 +71,7 @@ class TopicReader final : public TopicEndpoint, private dds::DataReaderListener,
   mutable segue::Mutex mutex_;  ///< one thread at a time delivers
   SubscriptionStatistics counts_ SEGUE_GUARDED_BY(mutex_);
   bool running_ SEGUE_GUARDED_BY(mutex_) = false;
+  bool delivers_ SEGUE_GUARDED_BY(mutex_) = false;  ///< the task runs, and its connections have begun
   bool has_sample_ SEGUE_GUARDED_BY(mutex_) = false;
   Arrival arrival_ SEGUE_GUARDED_BY(mutex_);
   std::deque<Message> waiting_ SEGUE_GUARDED_BY(mutex_);

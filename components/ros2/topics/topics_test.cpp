@@ -94,6 +94,33 @@ TEST_P(Topics, OnlyALatchedTopicHasSamplesFromBeforeTheStart) {
   }
 }
 
+/// A task starts before the transition commits; what it writes until then reaches nobody.
+TEST_P(Topics, SamplesOfALatchedTopicWaitForTheCommit) {
+  for (const bool latched : {false, true}) {
+    Quality quality;
+    if (latched) quality.durability = segue::ros2::Durability::TransientLocal;
+    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
+    RunningTask subscription("ros2::Subscription", "listener");
+    auto values = properties("std_msgs/msg/String");
+    values["durability"] = latched ? "transient_local" : "volatile";
+    ASSERT_TRUE(subscription.configure(values));
+    Commit commit;
+    Reader reader(subscription, commit);
+    ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));
+    peer->publish(text_message("before the start"));
+    ASSERT_TRUE(eventually([&] { return subscription.count("early") == 1; }));
+    ASSERT_TRUE(subscription.task().start(soon()));
+    peer->publish(text_message("before the commit"));
+    ASSERT_TRUE(eventually([&] { return subscription.count("early") == 2; }));
+    EXPECT_EQ(subscription.count("received"), 0U);
+    commit.happen();
+    EXPECT_EQ(reader.read(), latched ? Texts({"before the start", "before the commit"}) : Texts());
+    peer->publish(text_message("now"));
+    EXPECT_EQ(reader.read(1), Texts({"now"}));
+    EXPECT_EQ(subscription.count("received"), latched ? 3U : 1U);
+  }
+}
+
 TEST_P(Topics, ALatchedTopicHasItsLastSampleForThoseThatComeLater) {
   auto values = properties("std_msgs/msg/String");
   values["durability"] = "transient_local";

@@ -6,6 +6,8 @@
 
 #include <segue/base/policy.hpp>
 #include <segue/sample_link/local.hpp>
+#include <segue/sample_link/port_connection.hpp>
+#include <segue/task/commit_gate.hpp>
 #include <segue/task/component.hpp>
 #include <segue/type/cdr_object.hpp>
 #include <segue/type/describe.hpp>
@@ -89,12 +91,38 @@ inline std::string text_of(const Bytes& message) {
 
 inline constexpr segue::Policy kPlenty{segue::BufferKind::Buffer, 1000, segue::Transport::Automatic, false};
 
+/// The commit of a transition, for connections that begin with it.
+class Commit {
+ public:
+  Commit() { gate_->arm(word_, 1); }
+  segue::Result<void> connect(segue::task::OutputPortBase& from, segue::task::InputPortBase& to) {
+    auto made = segue::sample_link::connect(from, to, kPlenty, gate_);
+    if (!made) return made.error();
+    connections_.push_back(std::move(*made));
+    return {};
+  }
+  /// Opens the gate, and tells the ports.
+  void happen() {
+    word_->store(1);
+    for (const auto& connection : connections_)
+      connection->settle();
+  }
+
+ private:
+  std::shared_ptr<segue::task::CommitWord> word_ = std::make_shared<segue::task::CommitWord>(0);
+  std::shared_ptr<segue::task::CommitGate> gate_ = std::make_shared<segue::task::CommitGate>();
+  std::vector<std::shared_ptr<segue::sample_link::PortConnection>> connections_;
+};
+
 /// Reads from an output, such as that of a Subscription.
 class Reader final : public segue::task::Component {
  public:
   explicit Reader(RunningTask& subscription) : Reader(subscription.out()) {}
   explicit Reader(segue::task::OutputPortBase& output) {
     if (!segue::sample_link::connect(output, port_, kPlenty)) std::abort();
+  }
+  Reader(RunningTask& subscription, Commit& commit) {
+    if (!commit.connect(subscription.out(), port_)) std::abort();
   }
   /// The texts that have arrived since the last call.
   Texts read() {
