@@ -7,6 +7,8 @@ namespace segue::runtime::detail {
 
 namespace {
 constexpr std::size_t kKeptEvents = 4096;
+/// A slider sets properties so often that their events would soon push all others out.
+constexpr std::size_t kKeptPropertyEvents = 1024;
 
 bool is_trouble(EventKind kind) {
   switch (kind) {
@@ -48,13 +50,25 @@ bool is_trouble(EventKind kind) {
 void EventLog::add(EventKind kind, std::string subject, std::string message, bool trouble) {
   {
     const Lock lock(mutex_);
+    if (kind == EventKind::Property) {
+      make_room_for_property();
+    }
     events_.push_back({++last_, std::chrono::system_clock::now(), kind, std::move(subject),
                        std::move(message), trouble || is_trouble(kind)});
     if (events_.size() > kKeptEvents) {
+      property_events_ -= events_.front().kind == EventKind::Property ? 1 : 0;
       events_.pop_front();
     }
   }
   added_.notify_all();
+}
+
+void EventLog::make_room_for_property() {
+  if (property_events_ < kKeptPropertyEvents) {
+    ++property_events_;
+    return;
+  }
+  events_.erase(std::ranges::find(events_, EventKind::Property, &Event::kind));
 }
 
 std::vector<Event> EventLog::after(std::uint64_t number, const Wait& wait) const {

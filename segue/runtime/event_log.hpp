@@ -11,7 +11,8 @@
 
 namespace segue::runtime::detail {
 
-/// Keeps the last few thousand events, numbered from 1. Thread safe.
+/// Keeps the last few thousand events, numbered from 1; at most a quarter of them are of properties that were
+/// set. Thread safe.
 class EventLog {
  public:
   /// `trouble`: it is trouble, although events of that kind need not be.
@@ -22,11 +23,13 @@ class EventLog {
   void close();
 
  private:
+  void make_room_for_property() SEGUE_REQUIRES(mutex_);
   [[nodiscard]] bool has_after(std::uint64_t number) const SEGUE_REQUIRES(mutex_) { return last_ > number; }
 
   mutable Mutex mutex_;  ///< protects all members below
   mutable StoppableConditionVariable added_;
   std::deque<Event> events_ SEGUE_GUARDED_BY(mutex_);
+  std::size_t property_events_ SEGUE_GUARDED_BY(mutex_) = 0;
   std::uint64_t last_ SEGUE_GUARDED_BY(mutex_) = 0;
   bool closed_ SEGUE_GUARDED_BY(mutex_) = false;
 };
