@@ -10,9 +10,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace ros2_messages {
@@ -59,10 +61,12 @@ class Transform final : public Component {
     return {};
   }
   void on_update() override {
-    if (const Located located = take_all(); is_overdue(located)) error(no_transform_, why(located));
+    reason_ = 0;
+    if (const Located located = take_all(); is_overdue(located)) say(why(located));
   }
   void on_error() override {
-    if (!is_overdue(take_all())) recovered();
+    const Located located = take_all();
+    is_overdue(located) ? say(why(located)) : recovered();
   }
   void on_stop() override { tree_.reset(); }
 
@@ -133,6 +137,12 @@ class Transform final : public Component {
            (located.problem != nullptr || located.moves);
   }
 
+  /// Again where there is another reason now: a missing frame has come, and the next one is missing.
+  void say(std::string_view reason) {
+    const std::size_t hash = std::hash<std::string_view>()(reason);
+    if (hash != std::exchange(reason_, hash)) error(no_transform_, reason);
+  }
+
   std::string_view why(const Located& located) {
     return text("no pose of '{}': {} '{}'", *child_,
                 located.problem != nullptr ? located.problem : "no newer transform has come of frame",
@@ -186,6 +196,7 @@ class Transform final : public Component {
   std::optional<messages::TimedPose> told_;
   segue::TimePoint told_at_{};
   Problem reported_ = nullptr;
+  std::size_t reason_ = 0;  ///< hash of that of the error
   std::array<char, 200> text_{};
 };
 

@@ -109,6 +109,14 @@ TEST_F(PoseOfBase, IsMissedAfterTheTimeOutWithTheFrameThatIsMissing) {
   EXPECT_THAT(task_.error_message(), HasSubstr("no newer transform has come of frame 'odom'"));
 }
 
+TEST_F(PoseOfBase, IsMissedForTheReasonOfNow) {
+  pass(1100ms);
+  EXPECT_THAT(task_.error_message(), HasSubstr("no transform names frame 'base'"));
+  send(made_transform("odom", "base", 1, 2));
+  EXPECT_EQ(task_.state_name(), "no_transform");
+  EXPECT_THAT(task_.error_message(), HasSubstr("no transform names frame 'map'"));
+}
+
 TEST_F(PoseOfBase, OfStaticTransformsIsToldOnceAndNeverMissed) {
   send_static(made_transform("map", "base", 5, 2));
   ASSERT_EQ(ends_.pose.read(pose_), ReadStatus::NewData);
