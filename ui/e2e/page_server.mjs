@@ -62,6 +62,9 @@ export async function servePage(folder, robot, tell) {
     socket.on('error', () => {});
     socket.on('close', () => ends.forEach((end) => end?.()));
   });
+  // A test that fails does not close it, and ends all the same.
+  server.on('connection', (socket) => socket.unref());
+  server.unref();
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   const close = () => [server.closeAllConnections(), server.close()];
   return { address: 'http://127.0.0.1:' + server.address().port + '/', close };
