@@ -78,11 +78,13 @@ TEST(DdsNames, AreThoseOfRos2BothWays) {
 }
 
 TEST(ParticipantEntities, AreReadAsWritten) {
-  const ParticipantEntities two{
-      gid(7), {{"/", "talker", {}, {gid(1), gid(2)}}, {"/robot", "arm", {gid(3)}, {gid(4)}}}};
-  EXPECT_EQ(decode_participant_entities(encode(two)), two);
-  const ParticipantEntities none{gid(7), {}};
-  EXPECT_EQ(decode_participant_entities(encode(none)), none);
+  for (const bool before_iron : {false, true}) {
+    const ParticipantEntities two{
+        gid(7), {{"/", "talker", {}, {gid(1), gid(2)}}, {"/robot", "arm", {gid(3)}, {gid(4)}}}, before_iron};
+    EXPECT_EQ(decode_participant_entities(encode(two)), two);
+    const ParticipantEntities none{gid(7), {}, before_iron};
+    EXPECT_EQ(decode_participant_entities(encode(none)), none);
+  }
 }
 
 /// Appends bytes at their alignment of CDR.
@@ -120,15 +122,16 @@ TEST(ParticipantEntities, OfHumbleHaveLongerIdentifiers) {
   humble.number(2);
   humble.identifier(1);
   humble.identifier(2);
-  const ParticipantEntities expected{gid(7), {{"/", "talker", {}, {gid(1), gid(2)}}}};
+  const ParticipantEntities expected{gid(7), {{"/", "talker", {}, {gid(1), gid(2)}}}, true};
   EXPECT_EQ(decode_participant_entities(humble.bytes), expected);
+  EXPECT_EQ(encode(expected), humble.bytes);
 }
 
 TEST(ParticipantEntities, OfHumbleWithoutNodesAreToldApart) {
   Cdr humble;
   humble.identifier(7);
   humble.number(0);
-  const ParticipantEntities expected{gid(7), {}};
+  const ParticipantEntities expected{gid(7), {}, true};
   EXPECT_EQ(decode_participant_entities(humble.bytes), expected);
 }
 

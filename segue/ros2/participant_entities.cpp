@@ -59,7 +59,7 @@ template <std::size_t Size>
 std::optional<ParticipantEntities> decode(std::span<const std::byte> message) {
   wire::Participant<Size> read;
   if (!type::read_cdr(type::type_info<wire::Participant<Size>>(), &read, message)) return {};
-  ParticipantEntities entities{gid_of(read.gid), {}};
+  ParticipantEntities entities{gid_of(read.gid), {}, Size == 24};
   for (wire::Node<Size>& node : read.node_entities_info_seq) {
     NodeEntities& one = entities.nodes.emplace_back(
         NodeEntities{std::move(node.node_namespace), std::move(node.node_name), {}, {}});
@@ -69,11 +69,26 @@ std::optional<ParticipantEntities> decode(std::span<const std::byte> message) {
   return entities;
 }
 
-std::vector<wire::Identifier16> on_wire(const std::vector<Gid>& gids) {
-  std::vector<wire::Identifier16> identifiers;
-  for (const Gid& gid : gids)
-    identifiers.push_back({gid});
-  return identifiers;
+template <std::size_t Size>
+wire::Identifier<Size> on_wire(const Gid& gid) {
+  wire::Identifier<Size> identifier;
+  std::ranges::copy(gid, identifier.data.begin());
+  return identifier;
+}
+
+template <std::size_t Size>
+std::vector<std::byte> encode_with(const ParticipantEntities& entities) {
+  wire::Participant<Size> written{on_wire<Size>(entities.participant), {}};
+  for (const NodeEntities& node : entities.nodes) {
+    auto& one =
+        written.node_entities_info_seq.emplace_back(wire::Node<Size>{node.name_space, node.name, {}, {}});
+    std::ranges::transform(node.subscriptions, std::back_inserter(one.reader_gid_seq), on_wire<Size>);
+    std::ranges::transform(node.publishers, std::back_inserter(one.writer_gid_seq), on_wire<Size>);
+  }
+  const type::TypeInfo& info = type::type_info<wire::Participant<Size>>();
+  std::vector<std::byte> bytes(type::cdr_size(info, &written));
+  type::write_cdr(info, &written, bytes);
+  return bytes;
 }
 
 /// "/" or "/robot/arm"
@@ -102,15 +117,7 @@ std::string full_name(const NodeEntities& node) {
 }
 
 std::vector<std::byte> encode(const ParticipantEntities& entities) {
-  wire::Participant16 written{{entities.participant}, {}};
-  for (const NodeEntities& node : entities.nodes) {
-    written.node_entities_info_seq.push_back(
-        {node.name_space, node.name, on_wire(node.subscriptions), on_wire(node.publishers)});
-  }
-  const type::TypeInfo& info = type::type_info<wire::Participant16>();
-  std::vector<std::byte> bytes(type::cdr_size(info, &written));
-  type::write_cdr(info, &written, bytes);
-  return bytes;
+  return entities.before_iron ? encode_with<24>(entities) : encode_with<16>(entities);
 }
 
 std::optional<ParticipantEntities> decode_participant_entities(std::span<const std::byte> message) {

@@ -36,16 +36,18 @@ struct NodeEntities {
 struct ParticipantEntities {
   Gid participant{};
   std::vector<NodeEntities> nodes{};
+  /// How the message is written: before Iron, identifiers have 24 bytes, of which 16 are used. Nodes of
+  /// either kind cannot read what those of the other one write.
+  bool before_iron = false;
   friend bool operator==(const ParticipantEntities&, const ParticipantEntities&) = default;
 };
 
 /// "/talker", "/robot/talker"
 std::string full_name(const NodeEntities& node);
 
-/// The message as CDR, as nodes from Iron on write it (identifiers of 16 bytes).
+/// The message as CDR.
 std::vector<std::byte> encode(const ParticipantEntities& entities);
-/// Reads it as written by any ROS 2: before Iron, identifiers have 24 bytes, of which 16 are used. Nothing
-/// where it is neither. The bytes are untrusted.
+/// Reads it as written by any ROS 2. Nothing where it is neither. The bytes are untrusted.
 std::optional<ParticipantEntities> decode_participant_entities(std::span<const std::byte> message);
 
 /// How many nodes a participant may have.

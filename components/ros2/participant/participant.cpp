@@ -137,6 +137,7 @@ class Participant::DiscoveryReader final : public dds::DataReaderListener {
     if (!sink.entities) return;
     if (auto checked = check(*sink.entities, sender)) {
       participant_.graph_.set(*sink.entities);
+      if (sink.entities->before_iron) participant_.speak_as_before_iron();
     } else {
       participant_.refuse(sender, kNotTaken + checked.error().message);
     }
@@ -208,6 +209,7 @@ segue::Result<void> Participant::start() {
   const segue::Lock lock(nodes_mutex_);
   nodes_writer_ = std::move(*writer);
   own_.participant = gid_;
+  own_.before_iron = settings_.before_iron;
   publish_nodes();
   return {};
 }
@@ -331,6 +333,13 @@ void Participant::publish_nodes() {
   const auto bytes = segue::ros2::encode(own_);
   BytesSource message(bytes);
   nodes_writer_->write(static_cast<MessageSource*>(&message));
+}
+
+void Participant::speak_as_before_iron() {
+  const segue::Lock lock(nodes_mutex_);
+  if (own_.before_iron || nodes_writer_ == nullptr) return;
+  own_.before_iron = true;
+  publish_nodes();
 }
 
 void Participant::watch(const void* owner, std::function<void()> changed) {

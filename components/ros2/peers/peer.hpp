@@ -64,6 +64,7 @@ class Peer {
   virtual void subscribe(const TopicOf& topic) = 0;
   /// Says on ros_discovery_info that its endpoints, those of its service included, are those of this node.
   virtual void announce(const std::string& node) = 0;
+  bool before_iron = false;  ///< how that is written, as by ROS 2 before Iron
   /// Says that on ros_discovery_info as it is, true or not.
   virtual void say(const Bytes& entities) = 0;
   /// So many publishers of the topic beside the one of advertise(), of no node.

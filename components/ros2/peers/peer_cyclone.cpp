@@ -149,7 +149,7 @@ class CyclonePeer final : public Peer {
     if (out_) entities.publishers.push_back(gid_of(out_->entity));
     if (requests_) entities.subscriptions.push_back(gid_of(requests_->entity));
     if (responses_) entities.publishers.push_back(gid_of(responses_->entity));
-    entities_out_->write(segue::ros2::encode({gid_of(participant_), {entities}}));
+    entities_out_->write(segue::ros2::encode({gid_of(participant_), {entities}, before_iron}));
   }
   void say(const Bytes& entities) override { entities_out_->write(entities); }
   void advertise_more(const TopicOf& topic, std::size_t count) override {

@@ -400,7 +400,7 @@ class FastPeer final : public Peer {
 
  private:
   void say_nodes() {
-    ParticipantEntities all{gid_of(participant_->guid()), {}};
+    ParticipantEntities all{gid_of(participant_->guid()), {}, before_iron};
     for (const auto& [peer, part] : shared_->nodes)
       add(part, all.nodes);
     say(segue::ros2::encode(all));

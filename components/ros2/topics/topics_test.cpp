@@ -71,6 +71,23 @@ TEST_P(Topics, TasksAreNodesForOthers) {
   EXPECT_TRUE(eventually([&] { return names() == std::vector<std::string>{"/robot/mouth 1 0"}; }));
 }
 
+TEST_P(Topics, TasksAreNodesForOthersOfBeforeIron) {
+  RunningTask subscription("ros2::Subscription", "listener");
+  subscription.run(properties("std_msgs/msg/String"));
+  const auto said = [&](bool before_iron) {
+    return eventually([&] {
+      const auto others = peer->others();
+      return others.size() == 1 && others.front().before_iron == before_iron &&
+             others.front().nodes.size() == 1 && others.front().nodes.front().name == "listener";
+    });
+  };
+  EXPECT_TRUE(said(false));
+  peer->before_iron = true;
+  peer->advertise({});
+  peer->announce("talker");
+  EXPECT_TRUE(said(true));
+}
+
 TEST_P(Topics, OnlyALatchedTopicHasSamplesFromBeforeTheStart) {
   for (const bool latched : {false, true}) {
     Quality quality;
