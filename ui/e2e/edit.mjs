@@ -14,7 +14,7 @@ async function holds(what, message) {
 
 /** `capture(page, name)` takes a picture and asks axe-core; `folder` has the robot's files in `rover`. */
 export async function driveEdit(page, { folder, capture, run }) {
-  const seen = (locator) => locator.waitFor({ timeout: 30000 });
+  const seen = (locator) => locator.waitFor();
   const place = join(folder, 'rover/controllers/explore.yaml');
   const onDisk = () => readFileSync(place, 'utf8');
   const before = onDisk();

@@ -98,7 +98,7 @@ function helpers(page) {
   const text = page.locator('.cm-content');
   return {
     text,
-    seen: (locator) => locator.waitFor({ timeout: 30000 }),
+    seen: (locator) => locator.waitFor(),
     has: (part, message) => holds(async () => (await text.locator('.cm-line').allTextContents()).join('\n').includes(part), message),
     problems: page.getByRole('region', { name: 'Problems' }),
     status: (words) => page.getByRole('status').filter({ hasText: words }),

@@ -44,7 +44,7 @@ async function comeBack(page) {
   await shown(page).waitFor();
   await second.close();
 
-  const stranger = await stage.browser.browser().newContext();
+  const stranger = await stage.visitor();
   const other = await stranger.newPage();
   await other.goto(page.url());
   await other.getByText('no token and no valid cookie').waitFor();
@@ -64,7 +64,7 @@ async function comeWithCertificates() {
   const origin = 'https://127.0.0.1:' + new URL(studio.found).port;
   const enter = async (name) => {
     const files = name && { certPath: join(place(name), name + '.crt'), keyPath: join(place(name), name + '.key') };
-    const context = await stage.browser.browser().newContext({ ignoreHTTPSErrors: true, clientCertificates: files ? [{ origin, ...files }] : [] });
+    const context = await stage.visitor({ ignoreHTTPSErrors: true, clientCertificates: files ? [{ origin, ...files }] : [] });
     const page = await context.newPage();
     return { context, page, answer: await page.goto(origin).catch((error) => error) };
   };

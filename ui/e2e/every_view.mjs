@@ -52,7 +52,7 @@ const openings = {
   },
   // With nodes: ros2.mjs.
   async 'ROS 2'(page) {
-    await page.locator('.empty', { hasText: /No node was found|The look is made/ }).waitFor({ timeout: 120000 });
+    await page.locator('.empty', { hasText: /No node was found|The look is made/ }).waitFor();
   },
 };
 

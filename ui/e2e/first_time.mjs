@@ -20,7 +20,7 @@ function makeRobot() {
 async function helps(page, view, ...sentences) {
   await page.getByRole('link', { name: view, exact: true }).first().click(); // that of the header
   const help = page.locator('.empty');
-  for (const sentence of sentences) await help.filter({ hasText: sentence }).waitFor({ timeout: 120000 });
+  for (const sentence of sentences) await help.filter({ hasText: sentence }).waitFor();
   await stage.capture(page, 'first_time_' + view.toLowerCase().replace(' ', ''));
 }
 

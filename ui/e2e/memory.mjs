@@ -47,7 +47,7 @@ async function openViews() {
   await addPanel(plots, { fields: { 'drive.velocity': ['forward', 'turn'] }, title: 'Speed' });
   // The film of a request; and a look at ROS 2.
   await opened.find((one) => one.name === 'Past').page.locator('[data-request]').first().click();
-  await opened.find((one) => one.name === 'ROS 2').page.locator('[aria-label="ROS 2"][aria-busy=false]').waitFor({ timeout: 120000 });
+  await opened.find((one) => one.name === 'ROS 2').page.locator('[aria-label="ROS 2"][aria-busy=false]').waitFor();
   return opened;
 }
 

@@ -57,8 +57,8 @@ function partsOf(page) {
   const state = (path) => page.locator('.react-flow__node[data-id="state:' + path + '"]');
   return {
     state,
-    seen: (locator) => locator.waitFor({ timeout: 30000 }),
-    gone: (locator) => locator.waitFor({ state: 'detached', timeout: 30000 }),
+    seen: (locator) => locator.waitFor(),
+    gone: (locator) => locator.waitFor({ state: 'detached' }),
     button: (name) => page.getByRole('group', { name: 'Steer the mission' }).getByRole('button', { name, exact: true }),
     badge: (text) => page.locator('.main > .bar .badge', { hasText: text }),
     panel: (path) => page.getByRole('complementary', { name: 'State ' + path, exact: true }),

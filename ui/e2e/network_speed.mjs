@@ -66,6 +66,7 @@ let browser = null;
 try {
   browser = await chromium.launch({ executablePath: browserProgram(), headless: true, args: ['--no-sandbox', '--disable-gpu'] });
   const page = await browser.newPage({ viewport: { width: 1360, height: 820 } });
+  page.setDefaultTimeout(120000);
   page.on('pageerror', (error) => console.error(String(error)));
   const report = (name, intervals) => frames(name, intervals, wanted.frames);
   const shape = async (name) => {
@@ -87,7 +88,7 @@ try {
       check();
     });
   });
-  await page.goto(server.address + '#network', { timeout: 120000 });
+  await page.goto(server.address + '#network');
   figure('first drawing after the page was asked for', await page.evaluate(() => window.firstDrawing), 'ms', { most: wanted.drawing });
   await measure('all folded');
 
@@ -98,7 +99,7 @@ try {
     await page.getByRole('button', { name: 'Fit View' }).click();
     const begin = performance.now();
     await page.locator(`.react-flow__node[data-id="${id}"]`).press('Enter');
-    await page.locator(`.react-flow__node[data-id="${inside}"]`).waitFor({ state: 'attached', timeout: 120000 });
+    await page.locator(`.react-flow__node[data-id="${inside}"]`).waitFor({ state: 'attached' });
     opened.push(performance.now() - begin);
   };
   for (const host of [0, 1]) {
@@ -113,7 +114,7 @@ try {
   await page.getByPlaceholder('Find tasks').fill('task_' + (counts.tasks - 1));
   const begin = performance.now();
   await page.getByPlaceholder('Find tasks').press('Enter');
-  await page.locator(`.react-flow__node[data-id="task_${counts.tasks - 1}"]`).waitFor({ timeout: 120000 });
+  await page.locator(`.react-flow__node[data-id="task_${counts.tasks - 1}"]`).waitFor();
   figure('jump to a task in a folded host', performance.now() - begin, 'ms', { most: wanted.opening });
   console.log(`each change of all values: ${(size / 1000).toFixed(0)} kB`);
 } finally {

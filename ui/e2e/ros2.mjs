@@ -50,7 +50,7 @@ const node = (page, name) => page.getByRole('region', { name: 'Node ' + name });
 async function lookUntil(page, what) {
   const view = page.getByRole('region', { name: 'ROS 2', exact: true });
   for (let looks = 1; ; ++looks) {
-    await view.and(page.locator('[aria-busy=false]')).waitFor({ timeout: 120000 });
+    await view.and(page.locator('[aria-busy=false]')).waitFor();
     if ((await what.count()) > 0) return;
     assert.ok(looks < 30, 'it is not seen: ' + what);
     await page.getByRole('button', { name: 'Look again' }).click();
@@ -68,7 +68,7 @@ async function nobody(page) {
   await page.getByRole('link', { name: 'ROS 2' }).waitFor();
   await page.keyboard.press('8');
   await page.locator('.empty', { hasText: 'They tell of themselves' }).waitFor();
-  await page.locator('.empty', { hasText: 'No node was found in domain ' + stage.environment.ROS_DOMAIN_ID }).waitFor({ timeout: 120000 });
+  await page.locator('.empty', { hasText: 'No node was found in domain ' + stage.environment.ROS_DOMAIN_ID }).waitFor();
   await stage.capture(page, 'ros2_nobody');
 }
 
@@ -141,7 +141,7 @@ async function gone(page, listener, running) {
   await end(running.child);
   await page.getByText('The robot cannot be reached').waitFor();
   await page.getByRole('button', { name: 'Look again' }).click();
-  await page.getByRole('alert').filter({ hasText: /The look failed: .*What is shown is of the one before/ }).waitFor({ timeout: 120000 });
+  await page.getByRole('alert').filter({ hasText: /The look failed: .*What is shown is of the one before/ }).waitFor();
 }
 
 await stage.play(async () => {

@@ -90,7 +90,7 @@ async function stall({ link, fast, slow }) {
 /** What a slow page is told, shows and asks. */
 async function goSlowly({ link, fast, slow }) {
   link.pass(slowRate);
-  await slow.samples.getByText('updates skipped').waitFor({ timeout: 60000 });
+  await slow.samples.getByText('updates skipped').waitFor();
   const [few, many] = [slow.updates.of(scans), fast.updates.of(scans)];
   assert.ok(few.skipped > 0);
   assert.ok(few.received < many.received, few.received + ' updates, and ' + many.received + ' of the fast page');
@@ -99,7 +99,7 @@ async function goSlowly({ link, fast, slow }) {
   const panel = slow.page.getByRole('complementary', { name: 'Task laser' });
   await panel.getByLabel('max_range').fill('6.5');
   await panel.getByLabel('max_range').press('Enter');
-  await panel.locator('output.good', { hasText: 'set' }).waitFor({ timeout: 60000 });
+  await panel.locator('output.good', { hasText: 'set' }).waitFor();
   assert.equal(JSON.parse(stage.run(['task', 'laser', '--format', 'json'])).properties.max_range, 6.5);
 
   // What the fast page does shows here too: the newest, without what was in between.
@@ -107,9 +107,9 @@ async function goSlowly({ link, fast, slow }) {
   await fast.page.getByRole('button', { name: 'manual', exact: true }).click();
   await fast.page.getByRole('button', { name: 'Switch', exact: true }).click();
   await fast.page.locator('.outcome.good', { hasText: 'done' }).waitFor();
-  await slow.page.locator('.react-flow__node[data-id=joystick]').waitFor({ timeout: 60000 });
-  await slow.page.locator('.react-flow__node[data-id=wanderer]').waitFor({ state: 'detached', timeout: 60000 });
-  await slow.page.getByText('manual, idle').waitFor({ timeout: 60000 });
+  await slow.page.locator('.react-flow__node[data-id=joystick]').waitFor();
+  await slow.page.locator('.react-flow__node[data-id=wanderer]').waitFor({ state: 'detached' });
+  await slow.page.getByText('manual, idle').waitFor();
   await stage.capture(slow.page, 'slow');
 }
 

@@ -32,6 +32,8 @@ async function ended(child) {
   clearTimeout(stubborn);
 }
 
+const patience = 120000; // ms: a busy machine draws slowly
+
 export class Stage {
   constructor(segue, pictures) {
     this.browserProgram = browserProgram();
@@ -143,14 +145,21 @@ export class Stage {
       viewport: { width: 1360, height: 820 },
       args: ['--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', ...options],
     });
+    this.browser.setDefaultTimeout(patience);
     return this.watched(this.browser.pages()[0] ?? (await this.browser.newPage()));
+  }
+
+  /** Another visitor with the same browser, without what it has been given. */
+  async visitor(options) {
+    const context = await this.browser.browser().newContext(options);
+    context.setDefaultTimeout(patience);
+    return context;
   }
 
   /** The page, whose problems are those of the test from now on. */
   watched(page) {
     page.on('pageerror', (error) => this.problems.push(String(error)));
     page.on('console', (message) => /Content Security Policy/.test(message.text()) && this.problems.push(message.text()));
-    page.setDefaultTimeout(30000);
     return page;
   }
 

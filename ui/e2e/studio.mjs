@@ -48,7 +48,7 @@ states:
 `;
 
 async function drive(page) {
-  const seen = (locator) => locator.waitFor({ timeout: 30000 });
+  const seen = (locator) => locator.waitFor();
 
   // The keys, once the page listens to them.
   await seen(page.getByText('4 tasks, 4 connections'));
@@ -118,7 +118,7 @@ async function drive(page) {
 const startMission = () => stage.start(['mission', 'run', 'tour.yaml', '--mode', 'concurrent', '--follow', '--no-progress'], /began outward\/far/);
 
 async function driveMission(page) {
-  const seen = (locator) => locator.waitFor({ timeout: 30000 });
+  const seen = (locator) => locator.waitFor();
   writeFileSync(join(folder, 'tour.yaml'), tour);
   await page.getByRole('link', { name: 'Missions' }).click();
   await seen(page.getByText('No mission has commanded the robot'));
@@ -197,7 +197,7 @@ async function driveMission(page) {
 async function stopAndRelease(page) {
   await page.getByRole('button', { name: 'Stop the robot' }).click();
   const banner = page.getByRole('alert').filter({ hasText: 'Halted by' });
-  await banner.filter({ hasText: 'at rest' }).filter({ hasText: 'refused until it is released' }).waitFor({ timeout: 30000 });
+  await banner.filter({ hasText: 'at rest' }).filter({ hasText: 'refused until it is released' }).waitFor();
   assert.equal(JSON.parse(run(['status', '--format', 'json'])).controller, 'hold');
   await capture(page, 'stopped');
   await page.getByRole('button', { name: 'Release' }).click();
