@@ -137,7 +137,6 @@ class Participant::DiscoveryReader final : public dds::DataReaderListener {
     if (!sink.entities) return;
     if (auto checked = check(*sink.entities, sender)) {
       participant_.graph_.set(*sink.entities);
-      if (sink.entities->before_iron) participant_.speak_as_before_iron();
     } else {
       participant_.refuse(sender, kNotTaken + checked.error().message);
     }
@@ -207,9 +206,9 @@ segue::Result<void> Participant::start() {
   auto writer = make_writer(kNodesTopic, latched, kNodesHash, nullptr);
   if (!writer) return writer.error();
   const segue::Lock lock(nodes_mutex_);
-  nodes_writer_ = std::move(*writer);
   own_.participant = gid_;
-  own_.before_iron = settings_.before_iron;
+  follow_readers_of_nodes();
+  nodes_writer_ = std::move(*writer);
   publish_nodes();
   return {};
 }
@@ -217,10 +216,12 @@ segue::Result<void> Participant::start() {
 Participant::~Participant() {
   if (participant_ == nullptr) return;
   nodes_reader_.reset();
+  Owned<dds::DataWriter> nodes_writer;
   {
     const segue::Lock lock(nodes_mutex_);
-    nodes_writer_.reset();
+    nodes_writer = std::move(nodes_writer_);
   }
+  nodes_writer.reset();  // without the lock, which who receives may wait for
   {
     const segue::Lock receiving(*receiving_);
     participant_->set_listener(nullptr);
@@ -335,11 +336,28 @@ void Participant::publish_nodes() {
   nodes_writer_->write(static_cast<MessageSource*>(&message));
 }
 
-void Participant::speak_as_before_iron() {
+void Participant::found_reader_of_nodes(const segue::ros2::Gid& reader, bool before_iron) {
   const segue::Lock lock(nodes_mutex_);
-  if (own_.before_iron || nodes_writer_ == nullptr) return;
-  own_.before_iron = true;
-  publish_nodes();
+  if (before_iron) {
+    readers_before_iron_.insert(reader);
+  } else {
+    readers_before_iron_.erase(reader);
+  }
+  follow_readers_of_nodes();
+}
+
+void Participant::lost_reader_of_nodes(const segue::ros2::Gid& reader) {
+  const segue::Lock lock(nodes_mutex_);
+  if (readers_before_iron_.erase(reader) > 0) follow_readers_of_nodes();
+}
+
+/// Those from Iron on read a message of before as one without nodes. Those of before take gigabytes for one
+/// from Iron on (seen with Humble), so they never get any: before Fast DDS matches such a reader, the latched
+/// message is replaced.
+void Participant::follow_readers_of_nodes() {
+  const bool before_iron = !readers_before_iron_.empty();
+  if (std::exchange(own_.before_iron, before_iron) != before_iron && nodes_writer_ != nullptr)
+    publish_nodes();
 }
 
 void Participant::watch(const void* owner, std::function<void()> changed) {
@@ -450,8 +468,11 @@ void Participant::on_subscriber_discovery(dds::DomainParticipant*, rtps::ReaderD
   if (info.status == rtps::ReaderDiscoveryInfo::REMOVED_READER) {
     graph_.remove(gid_of(info.info.guid()));
     forget_reader(gid_of(info.info.guid()));
+    lost_reader_of_nodes(gid_of(info.info.guid()));
   } else {
     const std::string told = user_data_of(info.info.m_qos);
+    if (info.info.topicName() == kNodesTopic.topic)
+      found_reader_of_nodes(gid_of(info.info.guid()), segue::ros2::type_hash_in(told).empty());
     set({gid_of(info.info.guid()), false, info.info.topicName().to_string(), info.info.typeName().to_string(),
          segue::ros2::type_hash_in(told), quality_of(info.info.m_qos), segue::ros2::service_hash_in(told)});
   }

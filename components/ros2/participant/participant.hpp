@@ -44,9 +44,6 @@ struct Settings {
   Range range = Range::Subnet;
   /// Computers that are asked in any range but Off, by names or IPv4 addresses.
   std::vector<std::string> static_peers{};
-  /// Others are of a ROS 2 before Iron (segue::ros2::ParticipantEntities). Where it turns out that they are,
-  /// this participant speaks to them as they do, too.
-  bool before_iron = false;
   friend bool operator==(const Settings&, const Settings&) = default;
 };
 
@@ -124,8 +121,10 @@ class Participant final : private dds::DomainParticipantListener,
   segue::Result<dds::Topic*> use(const TopicName& name) SEGUE_REQUIRES(entities_mutex_);
   void leave(const std::string& topic) SEGUE_REQUIRES(entities_mutex_);
   void publish_nodes() SEGUE_REQUIRES(nodes_mutex_);
-  /// From now on.
-  void speak_as_before_iron();
+  /// The reader gets nothing before this returns.
+  void found_reader_of_nodes(const segue::ros2::Gid& reader, bool before_iron);
+  void lost_reader_of_nodes(const segue::ros2::Gid& reader);
+  void follow_readers_of_nodes() SEGUE_REQUIRES(nodes_mutex_);
   void set(segue::ros2::Endpoint endpoint);
   /// Logs that something is not taken, and why, once for each participant, and only so often for all of them.
   void refuse(const segue::ros2::Gid& sender, const std::string& why);
@@ -168,6 +167,7 @@ class Participant final : private dds::DomainParticipantListener,
   segue::Mutex nodes_mutex_;
   Owned<dds::DataWriter> nodes_writer_ SEGUE_GUARDED_BY(nodes_mutex_);
   segue::ros2::ParticipantEntities own_ SEGUE_GUARDED_BY(nodes_mutex_);
+  std::set<segue::ros2::Gid> readers_before_iron_ SEGUE_GUARDED_BY(nodes_mutex_);
 };
 
 /// The identifier of an endpoint, as ROS 2 tells it.

@@ -4,7 +4,6 @@
 #include <segue/base/text.hpp>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdlib>
 
@@ -51,12 +50,6 @@ segue::Result<Range> range_of_environment() {
                                               ": expected SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT");
 }
 
-/// Of a shell in which an installation was set up.
-bool is_before_iron() {
-  constexpr std::array<std::string_view, 4> kBefore = {"dashing", "foxy", "galactic", "humble"};
-  return std::ranges::find(kBefore, environment("ROS_DISTRO")) != kBefore.end();
-}
-
 /// Parts between semicolons, without those that are empty.
 std::vector<std::string> peers_of_environment() {
   std::vector<std::string> peers;
@@ -78,7 +71,6 @@ segue::Result<Settings> settings_from(std::int32_t domain, std::string_view disc
   auto range = discovery.empty() ? range_of_environment() : wanted_range(discovery);
   if (!range) return range.error();
   settings.range = *range;
-  settings.before_iron = is_before_iron();
   if (*range == Range::Off && !static_peers.empty()) {
     return fail(ErrorCode::InvalidArgument,
                 "static_peers are named, but discovery is off: choose localhost, or name none");

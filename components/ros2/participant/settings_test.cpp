@@ -45,7 +45,7 @@ class Discovery : public ::testing::Test {
 
  private:
   static constexpr std::array kVariables = {"ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE",
-                                            "ROS_STATIC_PEERS", "ROS_DISTRO"};
+                                            "ROS_STATIC_PEERS"};
   std::map<std::string, std::string> before_;
 };
 
@@ -80,14 +80,6 @@ TEST_F(Discovery, HasStaticPeersOfTheEnvironmentOrItsOwn) {
   ::setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SYSTEM_DEFAULT", 1);
   EXPECT_THAT(settings().static_peers, IsEmpty());
   EXPECT_THAT(settings_from(7, "off", {"10.0.0.2"}).error().message, HasSubstr("but discovery is off"));
-}
-
-TEST_F(Discovery, KnowsDistributionsBeforeIron) {
-  EXPECT_FALSE(settings().before_iron);
-  for (const auto& [distribution, before] : {std::pair{"humble", true}, {"foxy", true}, {"jazzy", false}}) {
-    ::setenv("ROS_DISTRO", distribution, 1);
-    EXPECT_EQ(settings().before_iron, before) << distribution;
-  }
 }
 
 TEST(StaticPeers, AreAddressesOrNames) {

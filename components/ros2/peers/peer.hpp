@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -52,9 +53,14 @@ inline std::string hash_data(const std::string& type, const std::string& service
          (service.empty() ? "" : "sertypehash=" + service + ";");
 }
 
+/// In the user data of endpoints on ros_discovery_info, from Iron on.
+inline const std::string kEntitiesHash =
+    "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e";
+
 class Peer {
  public:
-  Peer() = default;
+  /// Before Iron, messages on ros_discovery_info have another form.
+  explicit Peer(bool before_iron = false) : before_iron_(before_iron) {}
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
   virtual ~Peer() = default;
@@ -64,7 +70,6 @@ class Peer {
   virtual void subscribe(const TopicOf& topic) = 0;
   /// Says on ros_discovery_info that its endpoints, those of its service included, are those of this node.
   virtual void announce(const std::string& node) = 0;
-  bool before_iron = false;  ///< how that is written, as by ROS 2 before Iron
   /// Says that on ros_discovery_info as it is, true or not.
   virtual void say(const Bytes& entities) = 0;
   /// So many publishers of the topic beside the one of advertise(), of no node.
@@ -89,20 +94,55 @@ class Peer {
   virtual std::int64_t ask(const Bytes& request) = 0;
   /// The responses to own requests that have come since the last call, with their numbers.
   virtual std::vector<Response> responses() = 0;
-  /// The nodes of other participants, as each has said last.
-  virtual std::vector<segue::ros2::ParticipantEntities> others() = 0;
+  /// The nodes of other participants, as each has said last in the form that this peer reads.
+  std::vector<segue::ros2::ParticipantEntities> others();
+  /// Messages of others in the form that it cannot read, as far as others() has taken them.
+  [[nodiscard]] std::size_t misread() const { return misread_; }
   /// Subscriptions to what it publishes, and publishers of what it subscribes to.
   virtual std::uint32_t subscriptions() = 0;
   virtual std::uint32_t publishers() = 0;
   /// The user data of the first of these publishers.
   virtual std::string user_data_of_publisher() = 0;
+
+ protected:
+  [[nodiscard]] bool is_before_iron() const { return before_iron_; }
+  /// The user data of its endpoints on ros_discovery_info.
+  [[nodiscard]] std::string entities_data() const {
+    return before_iron_ ? std::string() : hash_data(kEntitiesHash);
+  }
+  [[nodiscard]] virtual segue::ros2::Gid own_gid() const = 0;
+  /// The messages of ros_discovery_info that have come since the last call.
+  virtual std::vector<Bytes> take_entities() = 0;
+
+ private:
+  const bool before_iron_;
+  std::size_t misread_ = 0;
+  std::map<segue::ros2::Gid, segue::ros2::ParticipantEntities> others_;
 };
+
+inline std::vector<segue::ros2::ParticipantEntities> Peer::others() {
+  for (const Bytes& message : take_entities()) {
+    const auto entities = segue::ros2::decode_participant_entities(message);
+    if (!entities || entities->participant == own_gid()) continue;
+    if (entities->before_iron == before_iron_)
+      others_[entities->participant] = *entities;
+    else
+      ++misread_;
+  }
+  std::vector<segue::ros2::ParticipantEntities> all;
+  for (const auto& [gid, entities] : others_)
+    all.push_back(entities);
+  return all;
+}
 
 enum class Middleware { FastDds, Cyclone };
 
 /// A participant of the domain, on the loopback device only.
 std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain);
 std::unique_ptr<Peer> make_cyclone_peer(std::uint32_t domain);
+/// The same, of ROS 2 before Iron.
+std::unique_ptr<Peer> make_fast_peer_before_iron(std::uint32_t domain);
+std::unique_ptr<Peer> make_cyclone_peer_before_iron(std::uint32_t domain);
 /// Makes peers that share a participant, as the endpoints of a node do.
 std::function<std::unique_ptr<Peer>()> fast_peers_of_one_node(std::uint32_t domain);
 /// The same where peers leave and the participant goes on, as in a container.

@@ -107,7 +107,7 @@ struct Channel {
 
 class CyclonePeer final : public Peer {
  public:
-  explicit CyclonePeer(std::uint32_t domain) {
+  explicit CyclonePeer(std::uint32_t domain, bool before_iron = false) : Peer(before_iron) {
     open_domain(domain);
     dds_qos_t* quality = ::dds_create_qos();
     const std::string user_data = "enclave=/;";
@@ -117,9 +117,10 @@ class CyclonePeer final : public Peer {
     Quality latched;
     latched.durability = segue::ros2::Durability::TransientLocal;
     latched.depth = 1;
-    entities_out_ = make(true, {"", "", "", latched}, "ros_discovery_info", kEntitiesType);
+    const std::string hash = is_before_iron() ? "" : kEntitiesHash;
+    entities_out_ = make(true, {"", "", hash, latched}, "ros_discovery_info", kEntitiesType);
     latched.depth = 0;
-    entities_in_ = make(false, {"", "", "", latched}, "ros_discovery_info", kEntitiesType);
+    entities_in_ = make(false, {"", "", hash, latched}, "ros_discovery_info", kEntitiesType);
   }
   ~CyclonePeer() override {
     more_.clear();
@@ -149,7 +150,7 @@ class CyclonePeer final : public Peer {
     if (out_) entities.publishers.push_back(gid_of(out_->entity));
     if (requests_) entities.subscriptions.push_back(gid_of(requests_->entity));
     if (responses_) entities.publishers.push_back(gid_of(responses_->entity));
-    entities_out_->write(segue::ros2::encode({gid_of(participant_), {entities}, before_iron}));
+    entities_out_->write(segue::ros2::encode({own_gid(), {entities}, is_before_iron()}));
   }
   void say(const Bytes& entities) override { entities_out_->write(entities); }
   void advertise_more(const TopicOf& topic, std::size_t count) override {
@@ -222,17 +223,6 @@ class CyclonePeer final : public Peer {
     }
     return all;
   }
-  std::vector<ParticipantEntities> others() override {
-    for (const Bytes& message : entities_in_->take()) {
-      const auto entities = segue::ros2::decode_participant_entities(message);
-      if (entities && entities->participant != gid_of(participant_))
-        others_[entities->participant] = *entities;
-    }
-    std::vector<ParticipantEntities> all;
-    for (const auto& [gid, entities] : others_)
-      all.push_back(entities);
-    return all;
-  }
   std::uint32_t subscriptions() override { return matched(*out_); }
   std::uint32_t clients() override { return matched(*responses_); }
   std::uint32_t publishers() override {
@@ -254,6 +244,8 @@ class CyclonePeer final : public Peer {
   }
 
  private:
+  [[nodiscard]] Gid own_gid() const override { return gid_of(participant_); }
+  std::vector<Bytes> take_entities() override { return entities_in_->take(); }
   static Bytes identified(const Gid& client, std::int64_t number, const Bytes& message) {
     Bytes bytes(20);
     std::copy_n(message.begin(), 4, bytes.begin());
@@ -297,10 +289,13 @@ class CyclonePeer final : public Peer {
   std::unique_ptr<Channel> asks_;
   std::unique_ptr<Channel> answers_;
   std::int64_t last_number_ = 0;
-  std::map<Gid, ParticipantEntities> others_;
 };
 
 }  // namespace
+
+std::unique_ptr<Peer> make_cyclone_peer_before_iron(std::uint32_t domain) {
+  return std::make_unique<CyclonePeer>(domain, true);
+}
 
 std::unique_ptr<Peer> make_cyclone_peer(std::uint32_t domain) {
   return std::make_unique<CyclonePeer>(domain);

@@ -238,8 +238,9 @@ void add(const segue::ros2::NodeEntities& part, std::vector<segue::ros2::NodeEnt
 
 class FastPeer final : public Peer {
  public:
-  explicit FastPeer(std::shared_ptr<FastParticipant> participant)
-      : shared_(std::move(participant)),
+  explicit FastPeer(std::shared_ptr<FastParticipant> participant, bool before_iron = false)
+      : Peer(before_iron),
+        shared_(std::move(participant)),
         participant_(shared_->participant),
         publisher_(shared_->publisher),
         subscriber_(shared_->subscriber) {
@@ -249,9 +250,10 @@ class FastPeer final : public Peer {
     auto* nodes = topic("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
     if (shared_->entities_out == nullptr)
       shared_->entities_out =
-          publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, ""));
+          publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, entities_data()));
     latched.depth = 0;
-    entities_in_ = subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, ""));
+    entities_in_ =
+        subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, entities_data()));
   }
   /// Where the participant goes on, its endpoints leave; else they leave with it.
   ~FastPeer() override {
@@ -378,17 +380,6 @@ class FastPeer final : public Peer {
     }
     return all;
   }
-  std::vector<ParticipantEntities> others() override {
-    for (const Bytes& message : take(entities_in_)) {
-      const auto entities = segue::ros2::decode_participant_entities(message);
-      if (entities && entities->participant != gid_of(participant_->guid()))
-        others_[entities->participant] = *entities;
-    }
-    std::vector<ParticipantEntities> all;
-    for (const auto& [gid, entities] : others_)
-      all.push_back(entities);
-    return all;
-  }
   std::uint32_t subscriptions() override { return matched(*out_); }
   std::uint32_t clients() override { return matched(*responses_); }
   std::uint32_t publishers() override {
@@ -399,8 +390,10 @@ class FastPeer final : public Peer {
   std::string user_data_of_publisher() override { return shared_->discovery.user_data(subscribed_); }
 
  private:
+  [[nodiscard]] Gid own_gid() const override { return gid_of(participant_->guid()); }
+  std::vector<Bytes> take_entities() override { return take(entities_in_); }
   void say_nodes() {
-    ParticipantEntities all{gid_of(participant_->guid()), {}, before_iron};
+    ParticipantEntities all{own_gid(), {}, is_before_iron()};
     for (const auto& [peer, part] : shared_->nodes)
       add(part, all.nodes);
     say(segue::ros2::encode(all));
@@ -444,13 +437,16 @@ class FastPeer final : public Peer {
   edds::DataReader* answers_ = nullptr;
   std::string subscribed_;
   std::map<std::string, edds::Topic*> topics_;
-  std::map<Gid, ParticipantEntities> others_;
 };
 
 }  // namespace
 
 std::unique_ptr<Peer> make_fast_peer(std::uint32_t domain) {
   return std::make_unique<FastPeer>(std::make_shared<FastParticipant>(domain));
+}
+
+std::unique_ptr<Peer> make_fast_peer_before_iron(std::uint32_t domain) {
+  return std::make_unique<FastPeer>(std::make_shared<FastParticipant>(domain), true);
 }
 
 std::function<std::unique_ptr<Peer>()> fast_peers_of_one_node(std::uint32_t domain) {
