@@ -181,10 +181,10 @@ TEST_F(Service, GivesAccessToSingleTasks) {
   ASSERT_NE(model, models.end());
   EXPECT_EQ(*model->find("live"), type::Value(true));
   EXPECT_TRUE(service_.set_property("a", "stand_in.rate", 5, {.who = "ann"}, soon()));
-  const auto told = service_.events(0, {})->as_list();
   EXPECT_FALSE(service_.set_property("a", "stand_in.rate", -5, {}, soon()));
-  ASSERT_EQ(service_.events(0, {})->as_list().size(), told.size()) << "nothing has changed";
-  EXPECT_EQ(*told.back().find("kind"), type::Value("property"));
+  auto told = service_.events(0, {})->as_list();
+  std::erase_if(told, [](const auto& event) { return *event.find("kind") != type::Value("property"); });
+  ASSERT_EQ(told.size(), 1U) << "the refused value has changed nothing";
   EXPECT_EQ(*told.back().find("subject"), type::Value("a"));
   EXPECT_EQ(*told.back().find("message"), type::Value("ann set stand_in.rate to 5"));
   EXPECT_FALSE(service_.call("a", "nothing", {}, {}, soon()));
