@@ -239,6 +239,7 @@ TEST_P(ServedActions, RequestsToCancelNameGoalsByIdAndTime) {
   const Value next = executed(*client, 4);
   EXPECT_THAT(client->cancel_all().goals, ElementsAre(next));
   counter->end_canceled(2);
+  EXPECT_EQ(client->result(next), Result(kWasCanceled, 2)) << "no goal is taken before";
   const Value last = executed(*client, 5);
   constexpr int kFarAhead = 2'000'000'000;
   EXPECT_THAT(client->cancel(goal_id_of_byte(0), kFarAhead).goals, ElementsAre(last));
