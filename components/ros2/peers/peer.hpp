@@ -106,10 +106,8 @@ class Peer {
 
  protected:
   [[nodiscard]] bool is_before_iron() const { return before_iron_; }
-  /// The user data of its endpoints on ros_discovery_info.
-  [[nodiscard]] std::string entities_data() const {
-    return before_iron_ ? std::string() : hash_data(kEntitiesHash);
-  }
+  /// That of its endpoints on ros_discovery_info.
+  [[nodiscard]] std::string entities_hash() const { return before_iron_ ? "" : kEntitiesHash; }
   [[nodiscard]] virtual segue::ros2::Gid own_gid() const = 0;
   /// The messages of ros_discovery_info that have come since the last call.
   virtual std::vector<Bytes> take_entities() = 0;

@@ -117,10 +117,9 @@ class CyclonePeer final : public Peer {
     Quality latched;
     latched.durability = segue::ros2::Durability::TransientLocal;
     latched.depth = 1;
-    const std::string hash = is_before_iron() ? "" : kEntitiesHash;
-    entities_out_ = make(true, {"", "", hash, latched}, "ros_discovery_info", kEntitiesType);
+    entities_out_ = make(true, {"", "", entities_hash(), latched}, "ros_discovery_info", kEntitiesType);
     latched.depth = 0;
-    entities_in_ = make(false, {"", "", hash, latched}, "ros_discovery_info", kEntitiesType);
+    entities_in_ = make(false, {"", "", entities_hash(), latched}, "ros_discovery_info", kEntitiesType);
   }
   ~CyclonePeer() override {
     more_.clear();

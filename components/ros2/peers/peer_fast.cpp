@@ -249,11 +249,11 @@ class FastPeer final : public Peer {
     latched.depth = 1;
     auto* nodes = topic("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
     if (shared_->entities_out == nullptr)
-      shared_->entities_out =
-          publisher_->create_datawriter(nodes, quality_of<edds::DataWriterQos>(latched, entities_data()));
+      shared_->entities_out = publisher_->create_datawriter(
+          nodes, quality_of<edds::DataWriterQos>(latched, hash_data(entities_hash())));
     latched.depth = 0;
-    entities_in_ =
-        subscriber_->create_datareader(nodes, quality_of<edds::DataReaderQos>(latched, entities_data()));
+    entities_in_ = subscriber_->create_datareader(
+        nodes, quality_of<edds::DataReaderQos>(latched, hash_data(entities_hash())));
   }
   /// Where the participant goes on, its endpoints leave; else they leave with it.
   ~FastPeer() override {

@@ -96,12 +96,8 @@ TEST_P(Topics, TasksAreNodesForOthersOfBeforeIron) {
 
 TEST_P(Topics, OnlyALatchedTopicHasSamplesFromBeforeTheStart) {
   for (const bool latched : {false, true}) {
-    Quality quality;
-    if (latched) quality.durability = segue::ros2::Durability::TransientLocal;
-    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
+    auto values = advertise(latched);
     RunningTask subscription("ros2::Subscription", "listener");
-    auto values = properties("std_msgs/msg/String");
-    values["durability"] = latched ? "transient_local" : "volatile";
     values["depth"] = 2;
     ASSERT_TRUE(subscription.configure(values));
     Reader reader(subscription);
@@ -120,13 +116,8 @@ TEST_P(Topics, OnlyALatchedTopicHasSamplesFromBeforeTheStart) {
 /// A task starts before the transition commits; what it writes until then reaches nobody.
 TEST_P(Topics, SamplesOfALatchedTopicWaitForTheCommit) {
   for (const bool latched : {false, true}) {
-    Quality quality;
-    if (latched) quality.durability = segue::ros2::Durability::TransientLocal;
-    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
     RunningTask subscription("ros2::Subscription", "listener");
-    auto values = properties("std_msgs/msg/String");
-    values["durability"] = latched ? "transient_local" : "volatile";
-    ASSERT_TRUE(subscription.configure(values));
+    ASSERT_TRUE(subscription.configure(advertise(latched)));
     Commit commit;
     Reader reader(subscription, commit);
     ASSERT_TRUE(eventually([&] { return peer->subscriptions() == 1 && subscription.count("matched") == 1; }));

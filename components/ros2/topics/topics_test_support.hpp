@@ -167,6 +167,16 @@ inline std::string middleware_name(const ::testing::TestParamInfo<Middleware>& g
 
 class Topics : public ::testing::TestWithParam<Middleware> {
  protected:
+  /// The peer publishes; the properties of a subscription to that.
+  ValueMap advertise(bool latched) {
+    Quality quality;
+    if (latched) quality.durability = segue::ros2::Durability::TransientLocal;
+    peer->advertise({"/chatter", "std_msgs/msg/String", "", quality});
+    ValueMap values = properties("std_msgs/msg/String");
+    values["durability"] = latched ? "transient_local" : "volatile";
+    return values;
+  }
+
   std::unique_ptr<Peer> peer =
       GetParam() == Middleware::FastDds ? make_fast_peer(own_domain()) : make_cyclone_peer(own_domain());
 };
